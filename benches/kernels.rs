@@ -1,7 +1,9 @@
-//! Time per particle of the kernels: `RAYON_NUM_THREADS=1 cargo bench`. One thread, so that the numbers add up.
+//! Measures the wall time per particle of the parts of a simulation (kernels): `RAYON_NUM_THREADS=1 cargo bench`. With
+//! one thread, the times of the parts add up to that of the whole.
 //!
-//! Islands, flight and the calendar are private: their times are of one window of an engine on a scene where they are
-//! most of the work.
+//! Islands (groups of particles that may meet), straight flight and the event queue cannot be called from here. Their
+//! times are those of one window of an engine, in a scene in which they take most of the time. A window is the time
+//! between two exchanges with the gas. The paper is that of docs/paper.md.
 
 use diptych::contact_law::{Bodies, ContactLaw};
 use diptych::domain::Domain;
@@ -26,9 +28,9 @@ use rand_distr::{Distribution, Normal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// [m] width of the channel.
+/// [m] distance between the walls of the channel.
 const HEIGHT: f64 = 0.03;
-/// The paper's law.
+/// Drag law of the paper.
 const LAW: Drag = Drag::SchillerNaumann(SchillerNaumann);
 
 fn main() {
@@ -52,14 +54,14 @@ fn cloud(count: usize) -> Particles {
     particles
 }
 
-/// The paper's 406 um and 1.5 mm.
+/// Spheres of the paper, of 406 um and 1.5 mm, in the gas.
 fn spheres(gas: &Fluid) -> [Sphere; 2] {
     [(406e-6, 1038.0), (1.5e-3, 1032.0)].map(|(diameter, density)| gas.sphere(&Species::new("", diameter, density)))
 }
 
-/// Time until another core has seen a word and has answered, a thousand times. Two cores that share a cache answer
-/// sooner, and make two threads faster (docs/design/islands.md). On a virtual machine it may change from minute
-/// to minute.
+/// Measures the time in which a flag is sent to another core and comes back, a thousand times. If the two cores share a
+/// cache, this time is shorter, and two threads gain more (docs/design/islands.md). On a virtual machine the time may
+/// change from minute to minute.
 #[divan::bench]
 fn thousand_words_to_another_core_and_back(bencher: Bencher) {
     let (turn, is_over) = (AtomicBool::new(false), AtomicBool::new(false));
@@ -118,26 +120,30 @@ fn profile(bencher: Bencher, count: usize) {
         .bench_local(|| black_box(&particles).position.iter().map(|x| fluid.profile.velocity(x.y)).sum::<f64>());
 }
 
-/// [m] the paper's smaller spheres.
+/// [m] diameter of the smaller spheres of the paper.
 const DIAMETER: f64 = 406e-6;
-/// [kg/m³] their density.
+/// [kg/m³] density of the smaller spheres of the paper.
 const DENSITY: f64 = 1038.0;
-/// [N/m] their stiffness, Table 1, case D.
+/// [N/m] stiffness of the smaller spheres of the paper (Table 1, case D).
 const STIFFNESS: f64 = 3000.0;
-/// [s] window of the engines here: about what case D chooses.
+/// [s] length of the window, about that of case D of the paper.
 const WINDOW: f64 = 2e-4;
 
-/// [-] share of the room of a lattice site that spheres are spread over: short of touching.
+/// [-] share of the free space around a lattice site over which spheres are scattered. It is less than 1, so that
+/// spheres do not touch.
 const JITTER: f64 = 0.999;
 
-/// A periodic cube with case D's volume fraction of 1e-2, or any other, and no gas.
+/// Periodic cube with `count` spheres at the given volume fraction [-], without gas. Case D of the paper has the volume
+/// fraction 0.01.
 fn cube(count: usize, volume_fraction: f64) -> Scene {
     let species = Species::new("", DIAMETER, DENSITY);
     let side = (count as f64 * species.volume() / volume_fraction).cbrt();
     Scene::new(Domain::new(Vector3::repeat(side), [true; 3]), Surface::new(1.0, 0.0), vec![species])
 }
 
-/// Spheres on jittered sites of a simple cubic lattice, so that none overlap, with normal velocities of 0.5 m/s.
+/// Spheres at scattered positions around the sites of a simple cubic lattice, so that none overlap. `jitter` [-] is the
+/// share of the free space over which they are scattered. The velocity components are normally distributed with a
+/// standard deviation of 0.5 m/s.
 fn suspension(scene: &Scene, count: usize, jitter: f64) -> Particles {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
     let per_side = (count as f64).cbrt().ceil() as usize;
@@ -155,7 +161,8 @@ fn suspension(scene: &Scene, count: usize, jitter: f64) -> Particles {
     particles
 }
 
-/// One window of an engine from the same state each time; the items are particles.
+/// Measures the time of one window of `duration` [s], which the engine begins from the same state in each repetition.
+/// The time is given per particle.
 fn window(bencher: Bencher, scene: &Scene, particles: &Particles, engine: impl Fn() -> Box<dyn Engine>, duration: f64) {
     bencher
         .counter(ItemsCount::new(particles.len()))
@@ -185,7 +192,7 @@ fn hard() -> Box<dyn Engine> {
     Box::new(Hard::new())
 }
 
-/// Sorting positions into cells of one particle each.
+/// Measures the sorting of positions into cells, with one particle per cell on average.
 #[divan::bench(args = [8_000, 100_000])]
 fn cell_grid(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
@@ -197,7 +204,8 @@ fn cell_grid(bencher: Bencher, count: usize) {
         .bench_local(|| CellGrid::new(black_box(&particles.position), &region, edge));
 }
 
-/// The neighbour list of uniform stepping, with reordering: from the second build on the store is in cell order.
+/// Measures the making of the neighbour list (pairs that may touch soon) for uniform time steps, with the sorting of
+/// the particles by cells. A first list precedes the measurement, so the particles already have this order.
 #[divan::bench(args = [8_000, 100_000])]
 fn neighbour_list(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
@@ -207,7 +215,8 @@ fn neighbour_list(bencher: Bencher, count: usize) {
     bencher.counter(ItemsCount::new(count)).bench_local(|| list.build(black_box(&mut particles), &scene, WINDOW));
 }
 
-/// Free flight with its search for touches, through the engine: parallel velocities, so that no two particles meet.
+/// Measures the straight flight of particles with the search for touches, as a part of the engine. All velocities are
+/// parallel, so that no two particles meet.
 #[divan::bench(args = [8_000, 100_000])]
 fn flight(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
@@ -216,8 +225,8 @@ fn flight(bencher: Bencher, count: usize) {
     window(bencher, &scene, &particles, hard, WINDOW);
 }
 
-/// Pairs about to meet head-on, far from all others: through the engine, the island solves dominate. Items are
-/// particles.
+/// Pairs of spheres that are about to meet head-on, far from all others. An engine then spends most of the time on the
+/// islands. The times are per particle.
 fn pairs(count: usize) -> (Scene, Particles) {
     let scene = cube(count, 1e-3);
     let mut particles = suspension(&scene, count / 2, 0.5); // room for the partner
@@ -244,8 +253,8 @@ fn island_hard_pair(bencher: Bencher) {
     window(bencher, &scene, &particles, hard, WINDOW);
 }
 
-/// The global event calendar, through the hard engine with one calendar on a dense fluid: there predicting, scheduling
-/// and taking out events is most of the work. A quarter of spheres by volume.
+/// Measures the event queue of all particles, with the hard engine in a dense gas. Most of the time is spent on finding
+/// the next collisions, adding them to the queue and removing them. The volume fraction is 0.25.
 #[divan::bench(args = [8_000])]
 fn calendar(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.25);
@@ -253,7 +262,7 @@ fn calendar(bencher: Bencher, count: usize) {
     window(bencher, &scene, &particles, || Box::new(Hard::with_one_calendar()), WINDOW);
 }
 
-/// A window of uniform stepping, soft.
+/// Measures one window of soft spheres with uniform time steps, which move all particles together.
 #[divan::bench(args = [8_000])]
 fn soft_uniform_window(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
@@ -261,11 +270,11 @@ fn soft_uniform_window(bencher: Bencher, count: usize) {
     window(bencher, &scene, &particles, || soft(SoftStepping::Uniform), WINDOW);
 }
 
-/// A dilute gas in a round vessel, in a window in which a sphere meets the wall often: the work that islands do at
-/// walls that are not flat.
+/// Measures one window of a dilute gas in a round vessel. The window is so long that some spheres meet the wall. Most
+/// of the time is spent on islands at walls that are not flat.
 #[divan::bench(args = ["can", "cone", "sphere", "pipe"])]
 fn gas_in_round_vessel(bencher: Bencher, vessel: &str) {
-    /// [s] a tenth of the time in which a sphere crosses the vessel.
+    /// [s] length of the window, about a twentieth of the time in which a sphere crosses the vessel.
     const LONG: f64 = 1e-3;
     let scene = cube(400, 0.002);
     let (center, radius) = (0.5 * scene.domain.size, 0.45 * scene.domain.size.x);

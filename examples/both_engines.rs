@@ -1,8 +1,8 @@
-//! One gas of spheres with soft and with hard collisions: how many collide, and how much of the energy is left.
+//! Runs one gas of spheres with soft and with hard collisions, and shows how many collide and how much energy is left.
 
 use diptych::{ContactLaw, Domain, Experiment, Population, Scene, Simulation, Species, Spheres, Surface, Vector3};
 
-/// 125 glass spheres of 200 um in a periodic box of 2 mm.
+/// Runs 125 glass spheres of 200 um in a periodic box of 2 mm.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let domain = Domain::new(Vector3::repeat(2e-3), [true; 3]);
     let scene = Scene::new(domain, Surface::new(0.9, 0.0), vec![Species::new("glass", 2e-4, 2500.0)]);

@@ -1,10 +1,10 @@
-//! Beads that fall into a funnel from an STL file.
+//! Glass beads that fall into a funnel, which is read from an STL file.
 
 use diptych::triangles::TriangleFile;
 use diptych::{ContactLaw, Mesh, Plane, Wall, WallGeometry};
 use diptych::{Domain, Experiment, Population, Scene, Simulation, Species, Spheres, Surface, Vector3};
 
-/// 100 soft beads of 3 mm in a box of 60 x 60 x 130 mm.
+/// Runs 100 soft beads of 3 mm in a box of 60 x 60 x 130 mm.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut file = TriangleFile::read("cases/walls/hopper.stl")?.scaled(1e-3); // the file is in mm
     file.heap.iter_mut().flatten().for_each(|corner| *corner += Vector3::new(0.03, 0.03, 0.032));

@@ -1,4 +1,4 @@
-//! A contact law of one's own: an elastic force that grows with the square of the overlap.
+//! A contact law that the user defines: an elastic force that grows with the square of the overlap.
 
 use diptych::contact_law::{Bodies, Law, Parameter, Spring};
 use diptych::{ContactLaw, Domain, Experiment, Population, Scene, Simulation, Species, Spheres, Surface, Vector3};
@@ -23,7 +23,7 @@ impl Law for Square {
     }
 }
 
-/// 125 elastic spheres in a periodic box of 2 mm.
+/// Runs 125 elastic spheres in a periodic box of 2 mm.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (domain, contact) = (Domain::new(Vector3::repeat(2e-3), [true; 3]), Surface::new(1.0, 0.0));
     let scene = Scene::new(domain, contact, vec![Species::new("glass", 2e-4, 2500.0)]);

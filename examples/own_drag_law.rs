@@ -1,4 +1,5 @@
-//! A drag law of one's own, of Clift and Gauvin (1970): C_D = 24/Re (1 + 0.15 Re^0.687) + 0.42/(1 + 42500 Re^-1.16).
+//! A drag law that the user defines, after Clift and Gauvin (1970): drag coefficient C_D = 24/Re (1 + 0.15 Re^0.687) +
+//! 0.42/(1 + 42500 Re^-1.16), with the Reynolds number Re of the particle.
 
 use diptych::drag::{Drag, DragLaw, Sphere};
 use diptych::{Domain, Experiment, Fluid, Population, Profile, Scene, Simulation, Species, Spheres, Surface, Vector3};
@@ -19,7 +20,7 @@ impl DragLaw for CliftGauvin {
     }
 }
 
-/// One sphere from rest in a uniform wind of 15 m/s.
+/// Runs one sphere that starts at rest in a uniform wind of 15 m/s.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let drag = Drag::Other(std::sync::Arc::new(CliftGauvin));
     let air = Fluid::new(1.205, 1.515e-5, Profile::Uniform(15.0), Some(drag)); // kg/m^3, m^2/s

@@ -1,10 +1,11 @@
-//! An observer of one's own: the kinetic energy of a cooling gas at every sample.
+//! An observer that the user defines: it records the kinetic energy of a cooling gas at every sample (instant of
+//! measurement).
 
 use diptych::observe::{Observer, run};
 use diptych::schedule::Schedule;
 use diptych::{Domain, Experiment, Population, Scene, Simulation, Species, Spheres, Surface, Vector3};
 
-/// Time [s] and kinetic energy [J], as a table would hold them.
+/// Time [s] and kinetic energy [J] at each sample.
 #[derive(Default)]
 struct Cooling(Vec<(f64, f64)>);
 
@@ -14,7 +15,7 @@ impl Observer for Cooling {
     }
 }
 
-/// 125 glass spheres that lose a fifth of their normal speed at every collision.
+/// Runs 125 glass spheres that lose a fifth of their normal speed at every collision.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let domain = Domain::new(Vector3::repeat(2e-3), [true; 3]);
     let scene = Scene::new(domain, Surface::new(0.8, 0.0), vec![Species::new("glass", 2e-4, 2500.0)]);

@@ -9,7 +9,7 @@
 //!         Simulation: for each window h
 //!             drag half-kick -> engine.advance(h) -> drag half-kick -> observers
 //!                                   |
-//!                        soft: time steps   |   hard: event calendar
+//!                        soft: time steps   |   hard: event queue
 //!             |
 //!         Outcome -> outputs (csv, json, svg, html)  <-  studies: run, compare, plan, impact
 //! ```

@@ -1,4 +1,4 @@
-//! Small scenes and common functions of the tests.
+//! Small scenes and common functions of the tests. The paper is the channel study of docs/paper.md.
 
 use diptych::case::Case;
 use diptych::communicator::Communicator;
@@ -21,12 +21,12 @@ use nalgebra::Vector3;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The paper's small particle: 406 um, 1038 kg/m3.
+/// Small particle of the paper: 406 um, 1038 kg/m3.
 pub fn small() -> Species {
     Species::new("S", 406e-6, 1038.0)
 }
 
-/// The paper's large particle: 1.5 mm, 1032 kg/m3.
+/// Large particle of the paper: 1.5 mm, 1032 kg/m3.
 pub fn large() -> Species {
     Species::new("L", 1.5e-3, 1032.0)
 }
@@ -56,7 +56,8 @@ pub fn placed(scene: &Scene, list: &[([f64; 3], [f64; 3])]) -> Particles {
     particles
 }
 
-/// Experiment with a random start of `count` particles of species 0.
+/// Experiment with a random start of `count` particles of species 0. `mean` [m/s] is their mean velocity, and
+/// `fluctuation` [m/s] the standard deviation of each velocity component.
 pub fn experiment(scene: Scene, count: usize, mean: [f64; 3], fluctuation: f64, model: Model, seed: u64) -> Experiment {
     let law = ContactLaw::linear(3000.0);
     let spheres = match model {
@@ -114,12 +115,12 @@ pub fn random(scene: &Scene, count: usize, fluctuation: f64, seed: u64) -> Parti
     initial_state(&experiment(scene.clone(), count, [0.0; 3], fluctuation, Model::Hard, seed)).unwrap()
 }
 
-/// Soft engine with uniform stepping, stiffness k [N/m] and time step dt [s].
+/// Soft engine with stiffness k [N/m] and time step dt [s], in which uniform time steps move all particles together.
 pub fn soft(k: f64, dt: f64, integrator: Integrator) -> Box<dyn Engine> {
     Box::new(Soft::new(ContactLaw::linear(k), integrator, dt, SoftStepping::Uniform))
 }
 
-/// Soft engine with local stepping, stiffness k [N/m] and time step dt [s].
+/// Soft engine with stiffness k [N/m] and time step dt [s], in which only particles that may touch move in time steps.
 pub fn local(k: f64, dt: f64, integrator: Integrator) -> Box<dyn Engine> {
     Box::new(Soft::new(ContactLaw::linear(k), integrator, dt, SoftStepping::Local))
 }
@@ -129,17 +130,19 @@ pub fn hard() -> Box<dyn Engine> {
     Box::new(Hard::new())
 }
 
-/// Event-driven engine of hard spheres, with islands wherever possible.
+/// Event-driven engine of hard spheres, with islands (groups of particles that may meet) wherever possible.
 pub fn islands() -> Box<dyn Engine> {
     Box::new(Hard::with_islands())
 }
 
-/// Engine of hard spheres in time steps, with the step criterion θ.
+/// Engine of hard spheres in time steps, with the step criterion θ [-]. It is the distance by which a typical pair
+/// approaches in one step, divided by the diameter.
 pub fn stepped(theta: f64) -> Box<dyn Engine> {
     Box::new(SteppedHard::new(theta))
 }
 
-/// Runs for `duration` [s] in `windows` windows. Returns the simulation with its particles in the order of ids.
+/// Runs for `duration` [s] in `windows` windows (equal pieces of the run). Returns the simulation with its particles in
+/// the order of ids.
 pub fn run(scene: &Scene, particles: Particles, engine: Box<dyn Engine>, duration: f64, windows: u64) -> Simulation {
     let (simulation, result) = try_run(scene, particles, engine, duration, windows);
     result.unwrap();
@@ -191,7 +194,8 @@ pub fn smallest_gap(scene: &Scene, particles: &Particles) -> f64 {
     least
 }
 
-/// Granular temperature [m²/s²]: 2E/(3(N-1)m), for equal masses and no mean motion.
+/// [m²/s²] granular temperature 2E/(3(N-1)m) of N spheres of equal mass m without mean motion. E is their kinetic
+/// energy.
 pub fn temperature(particles: &Particles) -> f64 {
     2.0 * particles.kinetic_energy() / (3.0 * (particles.len() as f64 - 1.0) * particles.mass[0])
 }
@@ -230,8 +234,9 @@ impl LinearSpring {
     }
 }
 
-/// [-] fraction of the energy M u²/2 that the scheme adds in an elastic impact on a linear spring: mean and standard
-/// deviation over the phase between touch and step. It is computed independently of the library.
+/// [-] fraction of the energy M u²/2 that the integrator adds in an elastic impact on a linear spring. The result is
+/// the mean and the standard deviation over the phases (instants within a time step) of the first touch. It is computed
+/// independently of the library.
 pub fn gain_of_an_impact(integrator: Integrator, steps_per_contact: f64) -> (f64, f64) {
     const PHASES: usize = 2000;
     // with unit mass and stiffness, the contact lasts π
@@ -261,14 +266,14 @@ pub fn gain_of_an_impact(integrator: Integrator, steps_per_contact: f64) -> (f64
     (mean, variance.sqrt())
 }
 
-/// Energy [J] that the scheme has added to an elastic gas of equal spheres in its impacts so far, from the gain in
-/// head-on impacts, and its uncertainty [J].
+/// Energy [J] that the integrator has added to an elastic gas of equal spheres in its impacts so far, and the
+/// uncertainty of this energy [J]. It is computed from the gain in head-on impacts.
 ///
-/// The speeds are those of the recorded impacts, which have random phases. The standard error is therefore the
-/// deviation of one impact times the root of the sum of (M u²/2)². This sum is at most the largest value times the sum
-/// of values; four standard errors are allowed. The normal of an oblique impact turns by about the overlap over the
-/// diameter. The gain in head-on impacts neglects this, for which 3 % of the gain are allowed. The energy error of a
-/// contact in progress may be as large as that of a finished one.
+/// The speeds are those of the recorded impacts, which have random phases (instants of the first touch within a time
+/// step). The standard error is therefore the deviation of one impact times the root of the sum of (M u²/2)². This sum
+/// is at most the largest value times the sum of values; four standard errors are allowed. The normal of an oblique
+/// impact turns by about the overlap over the diameter. The gain in head-on impacts neglects this, for which 3 % of the
+/// gain are allowed. The energy error of a contact in progress may be as large as that of a finished one.
 pub fn gain_of_a_gas(simulation: &Simulation, integrator: Integrator, steps_per_contact: f64) -> (f64, f64) {
     let (mean, deviation) = gain_of_an_impact(integrator, steps_per_contact);
     let (pairs, half) = (&simulation.record.pairs, 0.25 * simulation.particles.mass[0]);
@@ -293,7 +298,7 @@ pub fn words(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Communicator of one thread. Several threads take the place of the processes that share a run.
+/// Communicator of one of several threads. These threads take the place of the processes that share a run.
 pub struct Crew {
     rank: usize,
     room: Arc<Room>,
@@ -302,7 +307,7 @@ pub struct Crew {
 /// Memory through which the threads exchange messages.
 struct Room {
     barrier: std::sync::Barrier,
-    /// Messages of each thread, one for every thread.
+    /// Messages that have been sent, by index of the sender and index of the receiver.
     post: std::sync::Mutex<Vec<Vec<Vec<u8>>>>,
 }
 
@@ -354,7 +359,8 @@ impl Communicator for Crew {
     }
 }
 
-/// Runs a simulation that `size` threads share in place of processes. Returns the result of `see` at its end.
+/// Runs a simulation that `size` threads share in place of processes. Returns the value that the function `see`
+/// computes from the simulation at its end.
 pub fn shared<T>(
     size: usize,
     (scene, start): &(Scene, Particles),

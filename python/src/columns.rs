@@ -1,6 +1,7 @@
-//! Columns of the particle store as numpy arrays that share its memory.
+//! Columns of the particle store as numpy arrays that share its memory. The store contains the data of all particles,
+//! and a column is one property of each particle.
 //!
-//! A column shares the ownership of a store, and nothing changes this store as long as the column exists. Before an
+//! An array shares the ownership of a store, and nothing changes this store as long as the array exists. Before an
 //! engine moves particles, the simulation takes the store back if no array uses it. Otherwise the arrays keep the
 //! store, and the simulation continues with a copy. So no array points to freed memory, and none is read while an
 //! engine writes.
@@ -25,11 +26,11 @@ pub enum Column {
     Mass,
     /// Index of the species.
     Species,
-    /// Number of the particle.
+    /// Number by which a particle is identified (id).
     Id,
 }
 
-/// Owner of the memory of an array, in the array interface of numpy, version 3.
+/// Owner of the memory of an array: a column of a store. It has the array interface of numpy, version 3.
 #[pyclass(frozen, module = "diptych._engine")]
 pub struct ParticleColumn {
     particles: Arc<Particles>,
@@ -39,7 +40,8 @@ pub struct ParticleColumn {
 // three numbers without padding, as an array of rows of three needs them
 const _: () = assert!(size_of::<Vector3<f64>>() == 3 * size_of::<f64>());
 
-/// Place of a column in memory: address, type of its numbers, and numbers per particle.
+/// Place of a column in memory: address, type of its numbers (`f8` is a 64-bit float), and count of numbers per
+/// particle.
 fn place(particles: &Particles, column: Column) -> (usize, &'static str, usize) {
     let vectors = |rows: &[Vector3<f64>]| (rows.as_ptr() as usize, "f8", 3);
     match column {
@@ -73,7 +75,7 @@ impl ParticleColumn {
     }
 }
 
-/// Array of a column, which shares the memory of the store and cannot be written.
+/// Array of numpy with a column. It shares the memory of the store and cannot be written.
 pub fn array<'py>(py: Python<'py>, particles: Arc<Particles>, column: Column) -> PyResult<Bound<'py, PyAny>> {
     let owner = Bound::new(py, ParticleColumn { particles, column })?;
     py.import("numpy")?.call_method1("asarray", (owner,))

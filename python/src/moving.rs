@@ -1,4 +1,6 @@
-//! A simulation that Python owns: its store is lent to arrays while the engine rests, and Ctrl-C stops a run.
+//! A simulation that Python owns. The store is the memory with the data of all particles. While the engine does not
+//! run, arrays of Python may share this memory. Ctrl-C stops a run. A window is the time between two exchanges with the
+//! gas.
 
 use diptych::lab::{LabError, LabServer, LiveView};
 use diptych::work_sharing::keep_workers_spinning;
@@ -10,25 +12,26 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// Wall time between two checks for signals while an engine runs.
+/// Wall time between two checks for signals, such as Ctrl-C, while an engine runs.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Simulation with the threads that run it.
 pub struct MovingParticles {
     simulation: diptych::Simulation,
     pool: ThreadPool,
-    /// Particles, while arrays may share them; the store of the simulation is then empty.
+    /// Particles that arrays of Python may share; the store of the simulation is then empty. `None` if the simulation
+    /// has the particles.
     lent: Option<Arc<Particles>>,
-    /// Page that shows the simulation, and its server.
+    /// Page that shows the simulation, and its server; `None` if no page was asked for.
     shown: Option<(LiveView, LabServer)>,
 }
 
 /// Condition at which a run ends.
 #[derive(Clone, Copy)]
 pub enum RunEnd {
-    /// [s] simulated time.
+    /// End at this simulated time [s].
     Time(f64),
-    /// The end of the present window.
+    /// End at the end of the present window.
     Window,
 }
 
@@ -36,12 +39,12 @@ pub enum RunEnd {
 pub enum Interruption {
     /// The engine cannot go on.
     Failed(Failure),
-    /// Python has handled a signal by this exception, such as `KeyboardInterrupt`.
+    /// Python has handled a signal, such as Ctrl-C, and has raised this exception, such as `KeyboardInterrupt`.
     Signal(PyErr),
 }
 
 impl MovingParticles {
-    /// Takes a simulation, which runs on the given number of threads; 0 means all processors.
+    /// Makes the value from a simulation, which runs on the given number of threads; 0 means one per processor.
     ///
     /// # Errors
     /// The threads cannot be started.
@@ -50,12 +53,12 @@ impl MovingParticles {
         Ok(Self { simulation, pool, lent: None, shown: None })
     }
 
-    /// The simulation. Its store is empty while the particles are lent.
+    /// Simulation that Python owns. Its store is empty while arrays share the particles.
     pub fn simulation(&self) -> &diptych::Simulation {
         &self.simulation
     }
 
-    /// The particles at the present time, for arrays. They do not change before [`run`](Self::run) is called.
+    /// Particles at the present time, to be shared with arrays. They do not change before [`run`](Self::run) is called.
     ///
     /// # Errors
     /// The check of the present state has failed.
@@ -117,17 +120,19 @@ impl MovingParticles {
         }
     }
 
-    /// Takes the particles back into the simulation. If arrays still share them, the simulation gets a copy.
+    /// Takes the particles back into the store of the simulation. If arrays still share them, the simulation gets a
+    /// copy.
     fn take_back(&mut self) {
         if let Some(lent) = self.lent.take() {
             self.simulation.particles = Arc::unwrap_or_clone(lent);
         }
     }
 
-    /// Runs the simulation to `end` without the lock of the interpreter. A signal stops the run at the end of a window.
+    /// Runs the simulation to `end`. Meanwhile other threads of Python may run, because the lock of the interpreter is
+    /// released. A signal stops the run at the end of a window.
     ///
     /// # Errors
-    /// The run has not reached its end.
+    /// The engine has failed, or a signal has stopped the run.
     pub fn run(&mut self, py: Python<'_>, end: RunEnd) -> Result<(), Interruption> {
         self.take_back();
         let Self { simulation, pool, shown, .. } = self;

@@ -1,9 +1,12 @@
-//! A drag law written in Python, which is called once per window.
+//! A drag law written in Python, which is called once per window. A window is the time between two exchanges of
+//! momentum with the gas. A kick is a change of the velocities without motion; a half-kick is the kick for half a
+//! window.
 //!
-//! The call needs the velocities at the end of a window, which lack half a kick of this law itself. The half-kick is
-//! first predicted with the accelerations of the previous call, and corrected after the call. This is the
-//! velocity-Verlet scheme with predicted velocities of Groot and Warren (1997), J. Chem. Phys. 107, 4423. Their factor
-//! λ is 1: the prediction covers the whole window. The scheme is of second order in the window.
+//! A window begins and ends with a half-kick by this law. The half-kick at the end needs the accelerations at the end,
+//! and these depend on the velocities after this half-kick. The half-kick is therefore predicted with the accelerations
+//! of the previous call, and corrected after the call. This is the velocity-Verlet scheme with predicted velocities of
+//! Groot and Warren (1997), J. Chem. Phys. 107, 4423. Their factor λ is 1: the prediction covers the whole window. The
+//! scheme is of second order in the window.
 
 use crate::moving::RunEnd;
 use diptych::{Particles, Vector3};
@@ -15,21 +18,21 @@ use pyo3::types::PyBytes;
 /// leaves such remainders.
 const REST: f64 = 1e-6;
 
-/// Function of Python that returns accelerations, and the accelerations of its latest call.
+/// Function of Python that returns accelerations of the particles, and the accelerations of its latest call.
 pub struct OwnDrag {
-    /// The function.
+    /// Function of Python that is called with the simulation.
     pub function: Py<PyAny>,
-    /// [m/s²] accelerations of the latest call, by the ids of the particles. Particles that have entered since then
-    /// have none.
+    /// [m/s²] accelerations of the latest call, by the ids of the particles. Particles that have entered since this
+    /// call have none.
     pub by_id: Vec<Vector3<f64>>,
     /// True if the accelerations belong to the present time.
     pub is_current: bool,
-    /// [s] duration of the predicted kick that the next call corrects; 0 if there is none.
+    /// [s] duration of the predicted half-kick that the next call corrects; 0 if there is none.
     pub predicted: f64,
 }
 
 impl OwnDrag {
-    /// Takes a function, which is called before the next window.
+    /// Stores a function of Python. It is first called before the next window.
     ///
     /// # Errors
     /// `TypeError` if the object cannot be called.
@@ -40,8 +43,8 @@ impl OwnDrag {
         Ok(Self { function: function.unbind(), by_id: Vec::new(), is_current: false, predicted: 0.0 })
     }
 
-    /// Keeps the accelerations `rows` [m/s²] of a call, in the order of `particles`. Returns their differences from the
-    /// accelerations of the previous call, by ids.
+    /// Stores the accelerations `rows` [m/s²] of a call, in the order of `particles`. Returns the differences from the
+    /// accelerations of the previous call [m/s²], by the ids of the particles.
     pub fn keep(&mut self, particles: &Particles, rows: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         let most = particles.id.iter().max().map_or(0, |id| *id as usize + 1);
         let last = std::mem::replace(&mut self.by_id, vec![Vector3::zeros(); most]);
@@ -54,8 +57,8 @@ impl OwnDrag {
     }
 }
 
-/// Next piece of a run: a window, or the part of a window up to the end of the run. Returns it with its length [s];
-/// `None` at the end of the run.
+/// Next piece of a run that ends at `end`: a window, or the part of a window up to the end of the run. Returns the
+/// piece with its length [s], or `None` at the end of the run.
 ///
 /// # Errors
 /// `ValueError` if the case has no windows.
@@ -69,10 +72,10 @@ pub fn next_piece(simulation: &diptych::Simulation, end: RunEnd) -> PyResult<Opt
     })
 }
 
-/// Reads an array of Python with three numbers for each of the particles.
+/// [m/s²] accelerations from an array of numpy, which must have three numbers for each of the `particles`.
 ///
 /// # Errors
-/// `ValueError` if the shape is another one or a number is not finite.
+/// `ValueError` if the array has another shape, or if a number is not finite.
 pub fn rows_of_three(found: &Bound<'_, PyAny>, particles: &Particles) -> PyResult<Vec<Vector3<f64>>> {
     let array = found.py().import("numpy")?.call_method1("ascontiguousarray", (found, "<f8"))?;
     let shape: Vec<usize> = array.getattr("shape")?.extract()?;

@@ -1,4 +1,4 @@
-//! Cases of Python: the path of a case, its text, or a dict; and starts from arrays.
+//! Reads cases that Python gives as a path, a text or a dict, and initial states that it gives as arrays.
 
 use crate::InputError;
 use diptych::case::Case;
@@ -8,11 +8,12 @@ use pyo3::types::{PyDict, PyMapping};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Reads a case from a path, the name of a built-in case or a dict (`case`), or from its `text`. `sets` are changes
-/// `key=value`. `start` has the arrays of the particles at the start, by the names of `diptych.scenes.start_table`.
+/// Reads a case from a path, the name of a built-in case or a dict (`case`), or from a text (`text`). `sets` are
+/// changes of keys in the form `key=value`. `start` has arrays with the properties of the particles at the start, by
+/// the names of these properties in `diptych.scenes.start_table`; `None` if the case gives the start.
 ///
 /// # Errors
-/// `InputError` with the message of the reader. `ValueError` if not exactly one of case and text is given.
+/// `InputError` with the message of the reader. `ValueError` if both or none of case and text are given.
 pub fn read(
     py: Python<'_>,
     (case, text): (Option<Bound<'_, PyAny>>, Option<&str>),

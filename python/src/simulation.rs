@@ -1,4 +1,5 @@
-//! The Python class `Simulation`.
+//! The Python class `Simulation`. A window is the time between two exchanges of momentum with the gas, and a kick is a
+//! change of the velocities without motion.
 
 use crate::columns::{self, Column};
 use crate::moving::{Interruption, MovingParticles, RunEnd};
@@ -15,18 +16,21 @@ use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 /// Models by name.
 const MODELS: [Model; 4] = [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc];
 
-/// One case with one collision model, at rest between the calls that move it.
+/// Simulation of one case with one collision model. The simulated time stands still between the calls that move the
+/// particles.
 #[pyclass(frozen, subclass, module = "diptych._engine")]
 pub struct Simulation {
     moving: Mutex<MovingParticles>,
-    /// Drag law of the calling program. It is locked while the simulation runs, also between windows.
+    /// Drag law that the calling program has set; `None` if there is none. The lock is held while the simulation runs,
+    /// also between windows.
     drag: Mutex<Option<OwnDrag>>,
     experiment: Experiment,
     /// [J] kinetic, rotational and elastic energy at the start.
     energy_at_start: f64,
 }
 
-/// Times at which an observer is called.
+/// Times at which an observer is called: at every sample of the case (instant of measurement), at the end of every
+/// window, or after every so many seconds of simulated time.
 enum Every {
     Sample,
     Window,
@@ -45,7 +49,8 @@ impl Every {
         }
     }
 
-    /// [s] time of the next call; `begun` [s] is the time at which the run began, `calls` the number of calls so far.
+    /// [s] simulated time of the next call of the observer. `begun` [s] is the time at which the run began, and `calls`
+    /// the number of calls so far.
     fn next(&self, simulation: &diptych::Simulation, begun: f64, calls: u64) -> f64 {
         let next = match self {
             Self::Sample => simulation.next_sample(),
@@ -63,13 +68,13 @@ fn model_of(name: &str) -> PyResult<Model> {
 }
 
 impl Simulation {
-    /// Particles and engine, or an error if another thread runs the simulation. Waiting for this thread would block the
-    /// interpreter, which the thread may need in order to stop.
+    /// Particles and engine. An error is returned if another thread runs the simulation. Waiting for this thread would
+    /// block the interpreter, which the thread may need in order to stop.
     fn at_rest(&self) -> PyResult<MutexGuard<'_, MovingParticles>> {
         unlocked(&self.moving, "another thread runs this simulation")
     }
 
-    /// Drag law of the calling program, or an error while a run is under way.
+    /// Drag law of the calling program; `None` if there is none. An error is returned while a run is in progress.
     fn own_drag(&self) -> PyResult<MutexGuard<'_, Option<OwnDrag>>> {
         unlocked(&self.drag, "this simulation is running: neither drag nor another thread can change or run it")
     }
@@ -82,7 +87,7 @@ impl Simulation {
         self.at_rest()?.lend().map_err(failed)
     }
 
-    /// Runs to an end, with kicks of the drag law of the calling program if there is one.
+    /// Runs the simulation to `end`, with kicks by the drag law of the calling program if there is one.
     fn run_to(slf: &Bound<'_, Self>, end: RunEnd) -> PyResult<()> {
         let (py, this) = (slf.py(), slf.get());
         let mut drag = this.own_drag()?;
@@ -105,7 +110,8 @@ impl Simulation {
         }
     }
 
-    /// Calls the drag law, unless its accelerations are those of the present time, and corrects the predicted kick.
+    /// Calls the drag law, unless its accelerations already belong to the present time. The latest kick was predicted
+    /// with the accelerations of the previous call; it is then corrected.
     fn call_drag(slf: &Bound<'_, Self>, drag: &mut OwnDrag) -> PyResult<()> {
         if drag.is_current {
             return Ok(());
@@ -224,8 +230,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Drag law of the calling program, beside that of the case: a function of the simulation that returns the
-    /// acceleration of each particle [m/s²].
+    /// Drag law of the calling program, beside that of the case; `None` if there is none. It is a function of the
+    /// simulation that returns the acceleration of each particle [m/s²].
     #[getter]
     fn drag(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
         Ok(self.own_drag()?.as_ref().map(|drag| drag.function.clone_ref(py)))
@@ -286,7 +292,8 @@ impl Simulation {
         Ok(self.particles()?.kinetic_energy())
     }
 
-    /// Works and losses since the start, whose sum is the change of the energy but for the residual; all in J.
+    /// [J] terms of the energy balance: energy at the start and now, works and losses since the start, and the
+    /// residual. The residual is the part of the change of the energy that works and losses do not explain.
     #[getter]
     fn ledger<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let particles = self.particles()?;

@@ -121,8 +121,9 @@ impl Store {
         if (found, &whose) == (age, run) { Ok(part) } else { Err(Unreadable::Damaged) }
     }
 
-    /// Checks that the data of every process that belong to a stored state can be read. On failure returns the path of
-    /// the unreadable file and the reason.
+    /// Checks that the data of every process that belong to a stored state can be read. `of` is the name of the file
+    /// with the other data of this state, and `whose` the number of its generation and the run. Otherwise returns the
+    /// path of the unreadable file and the reason.
     fn has_parts(&self, of: &str, whose: (u64, &RunIdentity), kept: &StoredRun) -> Result<(), (PathBuf, Unreadable)> {
         (0..kept.pause.snapshot.parts).try_for_each(|number| {
             let read = self.read_part(of, whose, number).map(drop);

@@ -14,7 +14,7 @@ const PARTICLE: f64 = 350.0;
 /// (`statistics/profiles.rs`).
 const SLICE: f64 = 2.0 * 20.0 * 8.0;
 
-/// Largest number of blocks of time into which the samples of a run are grouped for averages
+/// Largest number of blocks of time into which the samples (instants of measurement) of a run are grouped for averages
 /// (`statistics/profiles.rs`).
 const MOST_BLOCKS: f64 = 512.0;
 

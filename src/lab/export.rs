@@ -60,7 +60,7 @@ struct Recording {
     opened: Opened,
     frames: Vec<RecordedFrame>,
     /// For each column of `particles`: its smallest value in the run, and its largest value minus the smallest. A
-    /// recorded fraction is the share of this difference.
+    /// recorded fraction f means the smallest value plus f times this difference.
     scales: [[f32; 2]; MOVING],
     /// [m] radii of the particles of each panel.
     radii: Vec<Vec<f32>>,

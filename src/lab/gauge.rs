@@ -38,7 +38,7 @@ pub enum Gauge {
     Spin,
     /// Height of the first ball of a heap above the floor, and spin of the second ball.
     Heap,
-    /// Number of collisions that a sphere of a gas suffers, and share of the collisions that are missed.
+    /// Number of collisions that a sphere of a gas suffers, and share of all collisions that time steps miss.
     Missed,
 }
 
@@ -60,7 +60,7 @@ pub struct Graph {
     pub window: Option<[f64; 2]>,
     /// True if negative overlaps, which are gaps, are drawn only down to a small part of the largest overlap.
     pub short_gaps: bool,
-    /// Name and points of a theoretical curve; `None` if there is no theory.
+    /// Name and points of a theoretical curve, in the units of the axes; `None` if there is no theory.
     pub theory: Option<(&'static str, Vec<[f64; 2]>)>,
 }
 
@@ -169,7 +169,7 @@ impl Gauge {
     }
 
     /// Quantities of this set at one instant: a row with one value for each column of the graphs, in the unit of the
-    /// column. Some values are divided by `at_start`, the temperature or energy at the start.
+    /// column. Some values are divided by `at_start`, the granular temperature [m²/s²] or energy [J] at the start.
     fn row(self, simulation: &Simulation, at_start: f64) -> Vec<f64> {
         let (particles, time) = (&simulation.particles, simulation.time);
         let suffered = 2.0 * simulation.record.pairs.count as f64 / particles.len().max(1) as f64;
@@ -256,7 +256,7 @@ fn temperature(particles: &Particles) -> f64 {
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// Observer that measures the quantities of a set (gauge) while a panel runs.
+/// Observer that measures the quantities of a set (gauge) while a panel of the page runs.
 pub struct Meter<'a> {
     /// Quantities that are measured.
     pub gauge: Gauge,

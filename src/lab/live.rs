@@ -225,7 +225,8 @@ impl Observer for LiveView {
     }
 }
 
-/// Sentence on the steady state of a run so far, and on the granular temperature since then.
+/// Sentence on the steady state of a run so far, and on the granular temperature since averaging began. Empty if the
+/// temperature is not known.
 fn sentence(motion: &Motion, average_from: AverageFrom) -> String {
     let steadiness = motion.steadiness(average_from, Vec::new());
     let since = significant(steadiness.from, 3);

@@ -1,4 +1,4 @@
-//! Sends the frames of a live view to one page.
+//! Sends the frames of a live view (data of one instant each, from which the page draws) to one page.
 
 use super::live::{FRAME, LiveFeed};
 use super::protocol::Ask;

@@ -9,7 +9,7 @@
 //! A scene is a case of `cases/` with changes in the form of `--set` arguments. If the page has not drawn the two
 //! latest frames, no new frame is computed, so a slow page gets fewer frames.
 //!
-//! The lab reads and writes no files, unless `--export` asks for a file. The address of the lab contains a secret
+//! The lab reads and writes no files, unless `--export` requests a file. The address of the lab contains a secret
 //! token. A request that names another host than this machine is refused ([`access`]).
 
 pub mod access;

@@ -36,8 +36,8 @@ pub const RECORDED: &str = include_str!("page/recorded.js");
 /// Page of the live view of a run, which has the path of the lab's page. Its other files are among [`ASSETS`].
 pub const LIVE: Asset = Asset { path: "", kind: ASSETS[0].kind, text: include_str!("page/live.html") };
 
-/// Content security policy that the server sends: the page may load only its own files, and connect only to its own
-/// server.
+/// Content security policy (rules that a browser follows for the page), which the server sends: the page may load only
+/// its own files, and connect only to its own server.
 macro_rules! policy {
     ($frames:literal) => {
         concat!(

@@ -38,7 +38,7 @@ pub struct LabPanel<'a> {
 /// Schedule of the run: the length of its windows (pieces of the run after which the panel can show its state). `frame`
 /// [s] is the simulated time between two pictures on the page. With drag, or with hard spheres in time steps, the
 /// windows are those of the case. Otherwise a window lasts at most half of `frame`, or a single time step if the step
-/// is longer. In soft and hybrid runs it is about a whole multiple of the time step.
+/// is longer. In soft and hybrid runs the length of a window is about a whole multiple of the time step.
 fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
     let own = Schedule::new(experiment);
     let dragged = experiment.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());

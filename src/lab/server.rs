@@ -1,5 +1,5 @@
 //! Server of the lab: sends the files of the page, and opens a WebSocket for each page. It accepts connections from
-//! this machine only.
+//! this machine only. The address of the page contains a token, a random text that every request must contain.
 
 use super::access::{Token, is_host, is_origin};
 use super::engine_lock::EngineLock;

@@ -1,8 +1,9 @@
 //! Session of an open page of the lab: runs two panels side by side while the page is visible. Each session has its own
 //! thread.
 //!
-//! Both panels advance to the same simulated time. Nothing is computed while the page has received two frames that it
-//! has not drawn. A slow, hidden or paused page therefore causes no work, and a page always shows a recent frame.
+//! Both panels advance to the same simulated time. A frame is the picture of one instant. Nothing is computed while the
+//! page has received two frames that it has not drawn. A slow, hidden or paused page therefore causes no work, and a
+//! page always shows a recent frame.
 
 use super::engine_lock::EngineLock;
 use super::protocol::{Ask, Listed, SceneChoice, Tell};

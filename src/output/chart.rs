@@ -117,7 +117,7 @@ pub struct ChartSlope {
     /// Fitted exponent of the power law, with its error.
     #[serde(flatten)]
     pub law: PowerLaw,
-    /// Smallest and largest value of the swept parameter in the fitted range.
+    /// Smallest and largest value of the swept parameter in the fitted range, in the unit of this parameter.
     pub range: (f64, f64),
 }
 

@@ -1,4 +1,5 @@
 //! Tables of results as CSV. The headers are fixed, because scripts depend on them. Cells of unknown numbers are empty.
+//! A variant is one of the experiments of a case.
 
 use super::limits::Map;
 use super::sensitivity::SensitivityStudy;
@@ -149,8 +150,8 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 /// Contents of `overlaps.csv`: means and extremes of the overlaps in the averaging period, divided by the diameter of
 /// the smaller sphere. Each variant with soft contacts has a row for pairs and a row for walls. The granular
 /// temperature is in m²/s², the elastic parameter of the contact law (such as the stiffness) in SI, other numbers are
-/// [-]. The overlap number κ_n is computed from the measured temperature. Cells of κ_n are empty if spheres or surfaces
-/// differ.
+/// [-]. The overlap number κ_n (theoretical time average of overlap over diameter) is computed from the measured
+/// temperature. Its cells are empty if spheres or surfaces differ.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -255,7 +256,7 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
 /// Contents of `state.csv`: ids, centres [m], velocities [m/s], diameters [m] and species names in the order of the
 /// ids. Numbers have 17 significant digits, so that they are read without rounding. Centres are moved into the box
 /// along periodic axes. Before the table, lines of the form `# key: value` contain the number of particles with a
-/// checksum, `about` and the box. Other programs read these lines as comments.
+/// checksum, the pairs of key and value in `about`, and the box. Other programs read these lines as comments.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -319,9 +320,9 @@ pub fn oblique(study: &ObliqueStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `chart.csv`: one row per point and quantity of the work-precision chart. A failed point has a single row
-/// with the reason of the failure. Errors, uncertainties and floors are fractions [-]; other numbers are in the unit of
-/// the quantity.
+/// Contents of `chart.csv`: one row per point and quantity of the work-precision chart (error over computing cost). A
+/// failed point has a single row with the reason of the failure. Errors, uncertainties and floors (errors by chance
+/// alone) are fractions [-]; other numbers are in the unit of the quantity.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

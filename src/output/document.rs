@@ -1,6 +1,6 @@
 //! Content of the report of a study, independent of the format: sentences, tables, pictures, and numbers of the
 //! summary. The module [`html`](super::html) makes a page from the content. [`text`] makes lines for a terminal from
-//! it.
+//! it. A variant is one of the experiments of a case.
 
 use super::Provenance;
 use super::numbers::UNKNOWN;

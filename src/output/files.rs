@@ -1,5 +1,5 @@
 //! Folder of results. A folder that cannot be used is refused before the computation. Each file is written either
-//! completely or not at all.
+//! completely or not at all. A variant is one of the experiments of a case.
 
 use super::document::{Document, status};
 use super::trajectory::{self, TRAJECTORY};
@@ -228,8 +228,8 @@ impl Folder {
         Ok(target)
     }
 
-    /// Removes the files of an earlier run, if there are any. If several processes write into the folder, this method
-    /// must be called before the others write.
+    /// Removes the files of an earlier run, if there are any. If several processes write into the folder, one of them
+    /// must call this method before any other process writes.
     ///
     /// # Errors
     /// [`OutputError::Io`] with the path, if a file cannot be removed.

@@ -1,4 +1,5 @@
-//! Groups of variants: the reference of each variant, and the variants that share a panel of a picture.
+//! Groups of variants: the reference of each variant, and the variants that share a panel of a picture. A variant is
+//! one of the experiments of a case.
 
 use crate::experiment::{Model, Reference};
 use crate::outcome::Outcome;
@@ -7,9 +8,9 @@ use crate::outcome::Outcome;
 /// number of markers.
 pub(super) const TOLD_APART: usize = 6;
 
-/// Index of the reference of each variant. It is the variant that the key `against` names, if there is one. A variant
-/// that is named by another variant, or compared with a table, is its own reference. All other variants have the first
-/// hard variant as reference, or the first variant if none is hard.
+/// Index of the reference of each variant. The reference is the variant that the key `against` names, if there is one.
+/// A variant that is named by another variant, or compared with a table, is its own reference. All other variants have
+/// the first hard variant as reference, or the first variant if none is hard.
 pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
     let rest = outcomes.iter().position(|outcome| outcome.experiment.model() == Model::Hard).unwrap_or(0);
     // a variant whose reference has not been run is its own reference
@@ -58,8 +59,9 @@ pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     heads.iter().map(group).collect()
 }
 
-/// Distinct values among those of several variants. The text after each is empty if all variants have this value,
-/// else it names the variants that have it. Variants without a value are left out.
+/// Distinct values among those of several variants. `of` gives the name and the value of each variant. The text after a
+/// value is empty if all variants have this value, else it names the variants that have it. Variants without a value
+/// are left out.
 pub(super) fn distinct<'a, T: PartialEq>(of: impl Iterator<Item = (&'a str, Option<T>)>) -> Vec<(T, String)> {
     let mut found: Vec<(T, Vec<&str>)> = Vec::new();
     let mut all = 0;

@@ -2,7 +2,8 @@
 //!
 //! The answer comes first and fits on one screen. The data follow in parts. Each part is hidden below its heading until
 //! the reader opens it. The last part contains the data needed to reproduce the results. Text of the user, such as
-//! names of variants, is escaped, and its control characters are made visible.
+//! names of variants, is escaped, and its control characters are made visible. A variant is one of the experiments of a
+//! case.
 
 use super::document::{AnswerCell, Block, Document, Matrix, Table};
 use super::figures::file_name;

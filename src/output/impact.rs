@@ -1,4 +1,5 @@
-//! Results of the impact study, as plain data for the outputs: one [`Bounce`] per variant.
+//! Results of the impact study, as plain data for the outputs: one [`Bounce`] per variant. A variant is one of the
+//! experiments of a case.
 
 use super::Provenance;
 use crate::engine::Failure;
@@ -19,11 +20,11 @@ pub struct PathPoint {
 /// Restitution, contact time and largest overlap of an impact; `None` for each of them if the impact did not end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BounceValues {
-    /// [-] restitution, the ratio of the rebound speed to the approach speed.
+    /// [-] restitution, the ratio of the rebound speed to the approach speed; `None` if the impact did not end.
     pub restitution: Option<f64>,
-    /// [s] duration of the contact; 0 for an instantaneous collision.
+    /// [s] duration of the contact; 0 for an instantaneous collision, `None` if the impact did not end.
     pub contact_time: Option<f64>,
-    /// [m] largest overlap; 0 for an instantaneous collision of hard spheres.
+    /// [m] largest overlap; 0 for an instantaneous collision of hard spheres, `None` if the impact did not end.
     pub maximum_overlap: Option<f64>,
 }
 

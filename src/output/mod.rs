@@ -6,7 +6,8 @@
 //! at all. Files use SI units; pictures and pages use SI prefixes.
 //!
 //! The functions `write_…` write a whole folder, with `summary.json` last: this file exists only if all files are
-//! complete. [`write_part`] writes the folder without the summary, after each variant of a comparison.
+//! complete. [`write_part`] writes the folder without the summary, after each variant of a comparison. A variant is one
+//! of the experiments of a case.
 
 mod chart;
 pub mod csv;

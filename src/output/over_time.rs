@@ -1,4 +1,4 @@
-//! CSV tables of values over time.
+//! CSV tables of values over time. A variant is one of the experiments of a case.
 
 use super::OutputError;
 use super::csv::{CsvTable, number};

@@ -1,4 +1,5 @@
-//! Content of pictures before they are drawn: panels with series of points.
+//! Content of pictures before they are drawn: panels with series of points. A variant is one of the experiments of a
+//! case.
 
 use crate::legible;
 

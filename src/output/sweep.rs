@@ -1,4 +1,5 @@
-//! Results of a sweep over values of keys, as plain data: the runs, and one row per point and variant.
+//! Results of a sweep over values of keys, as plain data: the runs, and one row per point and variant. A variant is one
+//! of the experiments of a case, and a point is one value for each varied key.
 
 use super::{Provenance, figures};
 use crate::case::SweepAxis;

@@ -1,5 +1,6 @@
 //! Trust sheets: checks of the results as plain data, with one [`TrustSheet`] per variant. Tables and `summary.json`
-//! are made from these data. A window is the time between two exchanges of momentum with the gas.
+//! are made from these data. A window is the time between two exchanges of momentum with the gas. A variant is one of
+//! the experiments of a case.
 
 use crate::statistics::Estimate;
 use serde::Serialize;

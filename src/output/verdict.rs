@@ -1,4 +1,5 @@
-//! Result of the comparison of a variant with its reference.
+//! Result of the comparison of a variant with its reference. A variant is one of the experiments of a case. The table
+//! `[observe]` of a case requests further measurements.
 
 use crate::statistics::{Answer, Comparison, Estimate};
 use serde::Serialize;

@@ -38,7 +38,8 @@ struct NearestImage {
 
 /// A rectangular box with one corner at the origin, periodic along any of its axes.
 ///
-/// Axes: x spanwise, y wall-normal, z streamwise (the paper's section 2.1).
+/// Axes of a channel: x spanwise, y normal to the walls, z along the flow (section 2.1 of the paper that docs/paper.md
+/// describes).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Domain {
     /// [m] edge lengths of the box along x, y, z.
@@ -218,15 +219,15 @@ impl Domain {
         d
     }
 
-    /// True if no image of a particle is nearer than the particle itself, whose vector [m] to another particle is `apart`.
-    /// It may be false although no image is nearer.
+    /// True if no image of a particle is nearer than the particle itself, whose vector [m] to another particle is
+    /// `apart`. The result may also be false although no image is nearer.
     #[inline]
     pub fn is_direct(&self, apart: &Vector3<f64>) -> bool {
         apart.norm_squared() < self.direct
     }
 
-    /// Vector [m] `apart` between two particles, shifted by whole periods to that between the nearest images. Unlike in
-    /// [`separation`](Self::separation), the particles may be many periods apart. Images must not slide.
+    /// Vector [m] `apart` between two particles, shifted by whole periods to the vector between the nearest images.
+    /// Unlike in [`separation`](Self::separation), the particles may be many periods apart. Images must not slide.
     #[inline]
     pub fn nearest_image(&self, apart: &Vector3<f64>) -> Vector3<f64> {
         if self.is_direct(apart) {

@@ -119,7 +119,7 @@ pub struct Experiment {
     pub dsmc: DsmcSettings,
     /// Duration, window (time between two exchanges with the gas), seed and collision model of the run.
     pub run: RunSettings,
-    /// Settings of averages: the number of slices and the time between samples.
+    /// Settings of averages: the number of slices and the time between samples (instants of measurement).
     pub statistics: StatisticsSettings,
     /// Measurements that the case asks for in addition to the standard ones.
     #[serde(skip_serializing_if = "ObserveSettings::is_empty")]
@@ -350,8 +350,9 @@ pub struct DsmcSettings {
 pub enum HardStepping {
     /// Collisions happen at the exact instants of touch, which are stored in an event queue.
     Events,
-    /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (the paper's section 3.4). d is the
-    /// diameter, and u_r the mean magnitude of the normal component of the relative velocity.
+    /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (section 3.4 of the paper, see
+    /// `docs/paper.md`). d is the diameter, and u_r the mean magnitude of the normal component of the relative
+    /// velocity.
     Steps {
         /// [-] number θ in the bound Δt < θ d/u_r. Here d is the smallest diameter, and u_r the mean magnitude of the
         /// normal component of the relative velocity. With a smaller θ fewer collisions are missed.
@@ -362,8 +363,8 @@ pub enum HardStepping {
 /// Duration, window (time between two exchanges with the gas), seed and collision model of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSettings {
-    /// [s] interval between instants at which all particles can be written. A window that contains such an instant is
-    /// divided there. `None` if there are no such instants.
+    /// [s] interval between instants at which all particles can be written to a file. A window that contains such an
+    /// instant is divided there. `None` if there are no such instants.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instants: Option<f64>,
     /// Collision model of the run.
@@ -429,6 +430,6 @@ pub enum AverageFrom {
 pub struct StatisticsSettings {
     /// Number of slices, normal to y, in each of which averages are computed.
     pub slices: usize,
-    /// [s] time between samples; `None` if it is to be chosen from the scene.
+    /// [s] time between samples (instants of measurement); `None` if it is to be chosen from the scene.
     pub sample_interval: Option<f64>,
 }

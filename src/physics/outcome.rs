@@ -1,5 +1,5 @@
-//! Result of one run of one variant: all data from which outputs are made. Replicas are runs of the variant with
-//! different seeds.
+//! Result of one run of one variant: all data from which outputs are made. A variant is the case with one collision
+//! model and some settings. Replicas are runs of the variant with different seeds.
 
 use crate::engine::{Counters, Failure};
 use crate::experiment::{Experiment, Integrator, Model};
@@ -29,7 +29,7 @@ pub struct Outcome {
     pub windows: u64,
     /// [s] length h of a window, the time between two exchanges with the gas; if windows grow, the length of the first.
     pub window: f64,
-    /// [s] time between two samples of the statistics.
+    /// [s] time between two samples (instants of measurement) of the statistics.
     pub sample_interval: f64,
     /// [s] time step of soft contacts, of stepped hard spheres or of collisions by chance (DSMC); `None` if collisions
     /// are found at exact instants.

@@ -24,7 +24,7 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Properties of the contact of a species with a species (its own or another) or with a wall.
+/// Contact properties of a pair of bodies: two particles of the same or of different species, or a particle and a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Meeting {
     /// Restitution and friction of the two bodies, which all engines use.
@@ -161,8 +161,8 @@ pub struct Species {
     /// Distribution of the diameters; `None` if all particles have the same diameter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sizes: Option<SizeDistribution>,
-    /// [-] moment of inertia about the centre over m r², where m is the mass without added mass: 2/5 of a solid sphere,
-    /// 2/3 of a thin shell.
+    /// [-] moment of inertia about the centre over m r², where m is the mass without added mass: 2/5 for a solid
+    /// sphere, 2/3 for a thin shell.
     #[serde(skip_serializing_if = "is_solid")]
     pub inertia_factor: f64,
 }
@@ -256,7 +256,7 @@ pub struct Scene {
     pub pairs: Pairs,
     /// Species of the particles; `Particles::species` contains indices into this list.
     pub species: Vec<Species>,
-    /// Laws of friction of rotating spheres; `None` if no sphere rotates, and friction has no tangential spring.
+    /// Laws of friction of rotating spheres; `None` if spheres do not rotate. Friction then has no tangential spring.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<Rotation>,
     /// Heating of the particles from outside; `None` if the particles are not heated.
@@ -329,16 +329,16 @@ impl Scene {
         walls.chain(pairs).chain([&self.contact]).any(|surface| surface.by_speed.is_some())
     }
 
-    /// Sets the restitution that predictions use for every surface whose restitution depends on the speed. It becomes
-    /// the restitution at the normal speed `speed` [m/s].
+    /// Chooses the restitution that predictions use, for every surface whose restitution depends on the speed: its
+    /// restitution at the normal speed `speed` [m/s].
     pub fn represent(&mut self, speed: f64) {
         let walls = self.walls.iter_mut().map(|wall| &mut wall.surface);
         let surfaces = walls.chain([&mut self.contact]).chain(self.pairs.surfaces_mut());
         surfaces.for_each(|surface| surface.represent(speed));
     }
 
-    /// All kinds of impacts in the scene, each listed once. They differ in restitution, mass ratio or shear ratio. If
-    /// sizes differ, the spheres are taken to have the mean volume. `shear_ratio` returns the ratio [-] of Mindlin's
+    /// All kinds of impacts in the scene, each listed once. Two kinds differ in restitution, mass ratio or shear ratio.
+    /// If sizes differ, the spheres are taken to have the mean volume. `shear_ratio` returns the ratio [-] of Mindlin's
     /// stiffness to Hertz's elastic constant for two elasticities.
     pub fn impact_kinds(&self, shear_ratio: impl Fn([Option<Elasticity>; 2]) -> f64) -> Vec<ImpactKind> {
         let species = |species: u16| &self.species[usize::from(species)];
@@ -377,8 +377,8 @@ impl Scene {
         }
     }
 
-    /// Coefficients of rolling and twisting friction of the species with the index `species` with another body, a
-    /// particle of a species or a wall.
+    /// Coefficients of rolling and twisting friction between a particle of the species with the index `species` and the
+    /// body `other`, a particle or a wall.
     #[inline]
     pub fn resistance(&self, species: u16, other: Kind) -> ResistanceFriction {
         match (self.pairs.find(species, other), other) {
@@ -388,8 +388,8 @@ impl Scene {
         }
     }
 
-    /// Restitution and friction of the species with the index `species` with another body, a particle of a species or a
-    /// wall.
+    /// Restitution and friction between a particle of the species with the index `species` and the body `other`, a
+    /// particle or a wall.
     #[inline]
     pub fn surface(&self, species: u16, other: Kind) -> &Surface {
         self.pairs.find(species, other).map_or_else(|| self.usual(other), |meeting| &meeting.surface)

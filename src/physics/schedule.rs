@@ -1,10 +1,11 @@
 //! Schedule of a run: the lengths of windows and the times of samples. A window is the time between two exchanges of
-//! momentum with the gas (drag kicks). At a sample, measurements are taken.
+//! momentum with the gas (drag kicks). At a sample, measurements are taken. The agitation is the random motion of the
+//! particles: the root mean square of a velocity component about its mean.
 //!
-//! The schedule depends on the scene and, without servo walls, not on the model. So all engines split drag from motion
-//! in the same way, and take samples at the same times. Windows may become longer during a run if drag is certain to
-//! slow the particles down. The slowing is computed from the drag law alone, the same in every model, and not from the
-//! moving particles.
+//! The schedule depends on the scene. It does not depend on the model, except with servo walls, which move to keep the
+//! pressure on them. So, without servo walls, all engines split drag from motion in the same way, and take samples at
+//! the same times. Windows may become longer during a run if drag is certain to slow the particles down. The slowing is
+//! computed from the drag law alone, the same in every model, and not from the moving particles.
 
 mod heat;
 mod inlets;
@@ -57,8 +58,8 @@ const MOST_SAMPLES: f64 = 1e5;
 /// Largest number of particles whose paths are stored; more paths could not be distinguished in a picture.
 pub const MOST_FOLLOWED: usize = 50;
 
-/// Number of rows of a curve over time, if variants with different sample times share common instants. `ROWS_OF_FEW` is
-/// for runs of at most `MOST_FOLLOWED` particles, whose paths are stored.
+/// Number of rows of a curve over time, if variants (runs that are compared) have different sample times and share
+/// common instants. `ROWS_OF_FEW` is for runs of at most `MOST_FOLLOWED` particles, whose paths are stored.
 const ROWS: f64 = 200.0;
 const ROWS_OF_FEW: f64 = 1000.0;
 
@@ -97,7 +98,7 @@ pub struct Schedule {
 /// Next piece of a run through which an engine advances without interruption.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScheduleStep {
-    /// Several whole windows, up to the next sample or up to the window that contains an instant of output.
+    /// This number of whole windows, up to the next sample or up to the window that contains an instant of output.
     Windows(u64),
     /// A part of a window, up to an instant [s] within the window, such as one at which the particles are written.
     ToInstant(f64),
@@ -114,7 +115,7 @@ impl Schedule {
 
     /// Schedule of an experiment. The experiment can give the length of the longest window. Otherwise this length is
     /// limited by inlets, and by the splitting of drag, buoyancy, turbulence, coupling, heat and orbits from the
-    /// motion. Servo walls always limit it. The duration is a whole number of the shortest windows.
+    /// motion. Servo walls limit the length in any case. The duration is a whole number of the shortest windows.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
@@ -378,14 +379,15 @@ pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     (12.0 * SPLITTING).sqrt() / rates.fold(0.0, f64::max)
 }
 
-/// [-] largest decrease of the slip by the force on the gas within a window, over the slip. The gas velocity is
-/// constant in a kick, so the exchange is explicit: stable below 2, and of first order in this number.
+/// [-] largest relative decrease of the slip, the velocity of the gas relative to the particles, by the force on the
+/// gas within a window. The gas velocity is constant in a kick. So the exchange of momentum is an explicit scheme:
+/// stable if this number is below 2, with an error of first order in it.
 const EXCHANGED: f64 = 0.1;
 
 /// [s] longest window with two-way coupling; infinite if particles do not change the gas. The slip of the gas decays at
 /// the rate Σ(m/τ)/(ρ_f V), with the mass m and response time τ of each particle, and the density ρ_f and volume V of
-/// the gas. A window lasts a tenth of the inverse of this rate. Inlets count with the number of particles that they are
-/// [expected](Experiment::expected_counts) to bring.
+/// the gas. A window lasts at most a tenth of the inverse of this rate. Inlets count with the number of particles that
+/// they are [expected](Experiment::expected_counts) to bring.
 pub fn longest_for_coupling(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let Some(fluid) = scene.fluid.as_ref().filter(|fluid| fluid.coupling.is_some()) else { return f64::INFINITY };

@@ -1,10 +1,11 @@
-//! Loop over windows: half-kick of drag, engine, half-kick of drag, samples. A window is the time between two exchanges
-//! of momentum with the gas. Heat acts together with drag. Lift, an orbit and differences of weight act in further
-//! half-kicks between drag and engine. Particles come in and leave at the ends of windows.
+//! Loop over windows, the times between two exchanges of momentum with the gas. In each window, a half-kick of drag
+//! acts, the engine moves the particles, and a second half-kick acts. Heat acts together with drag. Lift, an orbit and
+//! differences in weight between species act in further half-kicks between drag and engine. Particles come in and leave
+//! at the ends of windows.
 //!
 //! Drag is a slow, smooth force, so it is split from the motion (Strang); the error is of second order in the window. A
-//! kick is the change of velocity by drag at fixed positions. It is the exact solution of the drag law for constant gas
-//! velocity, so two half-kicks equal one whole kick.
+//! kick is the change of velocity by drag during a window, at fixed positions; a half-kick is that during half a
+//! window. A kick is the exact solution of the drag law for constant gas velocity, so two half-kicks equal one kick.
 
 mod contacts;
 mod coupling;
@@ -54,7 +55,8 @@ use std::borrow::Cow;
 use std::time::Duration;
 use totals::SimulationTotals;
 
-/// A simulation of one variant: the particles, the engine that moves them, and the records of the run.
+/// A simulation of one variant of a case, such as that with hard spheres: the particles, the engine that moves them,
+/// and the records of the run.
 ///
 /// ```
 /// # extern crate diptych_physics as diptych;
@@ -80,7 +82,7 @@ pub struct Simulation {
     pub time: f64,
     /// Number of completed windows (a window is the time between two exchanges with the gas).
     pub windows: u64,
-    /// Wall time spent in the engine, in drag and in observers.
+    /// Wall-clock time spent in the engine, in drag and in observers (measurements during the run).
     pub spent: SimulationTimes,
     clock: Clock,
     scene: Scene,
@@ -99,14 +101,14 @@ pub struct Simulation {
     by_walls: Vector3<f64>,
     /// Connection to the other processes that share the run; `None` if there are no others.
     share: Option<SharedSimulation>,
-    /// Present while the lead process (number 0) holds the gathered particles of all processes in place of its own.
-    /// Otherwise `None`.
+    /// Description of the gathered particles, while the lead process (number 0) stores particles of all processes in
+    /// place of its own. `None` at other times.
     shown: Option<GatheredParticles>,
     /// True if velocities and positions belong to one time. False if velocities lack the half-kick of drag at the end
     /// of the latest window.
     half_kicked: bool,
-    /// Failure that the next call of [`run`](Self::run) returns before any step: a violated contract of the contact
-    /// law, or a soft time step that is too long. `None` if the simulation may run.
+    /// Failure that [`run`](Self::run) returns before the next window: a contact law that violates a requirement, a
+    /// soft time step that is too long, or a gas flow that is not finite. `None` if the simulation may run.
     refused: Option<Failure>,
     /// Upper limit of the growth of the energy by errors of the time integrator in soft contacts. A run whose energy
     /// grows by more fails. `None` for other models.
@@ -118,7 +120,7 @@ pub struct Simulation {
     through_flow: Option<Box<ThroughFlow>>,
     /// For each inlet, the space in which new particles are placed.
     inlet_rooms: Vec<FreeRoom>,
-    /// Data for the control of servo walls; `None` in a scene without them.
+    /// Data for the control of servo walls, which move to keep the pressure on them; `None` without such walls.
     servo: Option<Box<ServoControl>>,
     /// Position in the schedule of windows that [`run_until`](Self::run_until) follows. Windows have the length 0 until
     /// their length is chosen.
@@ -147,13 +149,13 @@ fn in_order(mut particles: Particles, scene: &Scene) -> Particles {
 }
 
 impl Simulation {
-    /// Creates a simulation at time 0 from the given state.
+    /// Creates a simulation of an experiment at time 0, with the given particles.
     pub fn new(experiment: &Experiment, particles: Particles) -> Self {
         Self::of(experiment, particles, None)
     }
 
     /// Creates a simulation at time 0. `others` connects this process with the processes that share the run;
-    /// `particles` are then the particles that this process stores.
+    /// `particles` are then the particles that this process stores. With `None` this process has all particles.
     fn of(experiment: &Experiment, particles: Particles, others: Option<&dyn Communicator>) -> Self {
         let sample = Sample::part(&particles, others);
         let totals = SimulationTotals::of(&sample);
@@ -176,7 +178,7 @@ impl Simulation {
     }
 
     /// Creates a simulation at time 0 with an engine that the calling program supplies. If processes share the
-    /// simulation, the lead process moves all particles.
+    /// simulation, the lead process (number 0) moves all particles.
     pub fn with_engine(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> Self {
         let totals = SimulationTotals::of(&Sample::from(&particles));
         Self::with_totals(scene, particles, totals, SimulationEngine::Single(engine))
@@ -229,7 +231,7 @@ impl Simulation {
     }
 
     /// Sets the seed of the random numbers in kicks of turbulence and heat, and in rebounds from rough and thermal
-    /// walls. Without this call it is 0 in kicks, and that of the scene in rebounds ([`Scene::seed_walls`]).
+    /// walls. Without this call the seed is 0 in kicks, and that of the scene in rebounds ([`Scene::seed_walls`]).
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self.scene.seed_walls(seed);
@@ -252,17 +254,17 @@ impl Simulation {
     ///
     /// # Errors
     /// A failure of the engine, a particle that left the domain, an unstable soft time step, or energy that grew more
-    /// than errors of the scheme explain. The state is then that at which the failure was detected.
+    /// than errors of the time integrator explain. The state is then that at which the failure was detected.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
         let result = self.run_while(windows, window, &mut |_, _| true).map(drop);
         self.gather(1);
         result
     }
 
-    /// Runs windows as [`run`](Self::run) for as long as `go_on` returns true, and returns the number of windows done.
-    /// `go_on` is called at the end of every window but the last, with the number of windows done in this call. A
-    /// stopped run can be continued for the remaining windows, here or from a [`snapshot`](Self::snapshot). All bits of
-    /// the results are then those of a run without a stop.
+    /// Runs windows like [`run`](Self::run), but only as long as `go_on` returns true, and returns the number of
+    /// windows done. `go_on` is called at the end of every window but the last, with the number of windows done in this
+    /// call. A stopped run can be continued for the remaining windows, here or from a [`snapshot`](Self::snapshot). All
+    /// bits of the results are then those of a run without a stop.
     ///
     /// If several processes share the run, each may hold only its part of the particles when `go_on` is called and
     /// after the run. [`gather`](Self::gather) gathers the parts, and [`sample`](Self::sample) is used for sums over
@@ -332,17 +334,17 @@ impl Simulation {
         in_order(self.particles.clone(), &self.scene)
     }
 
-    /// Brings the particles into the form that [`state`](Self::state) returns: in the order of their ids, with positions
-    /// wrapped into the box. Unlike with `state`, no second store of particles remains. Call this method only after the
-    /// last run, because the engine requires its own order of the particles.
+    /// Brings the particles into the form that [`state`](Self::state) returns: in the order of their ids, with
+    /// positions wrapped into the box. Unlike with `state`, no second store of particles remains. Call this method only
+    /// after the last run, because the engine requires its own order of the particles.
     pub fn end(&mut self) {
         // the memory of the engine is freed before the particles are copied
         self.engine.forget();
         self.particles = in_order(std::mem::take(&mut self.particles), &self.scene);
     }
 
-    /// [m/s] momentum of all particles over their mass; 0 without particles. The momentum is not summed anew, but its
-    /// sum at the start is updated.
+    /// [m/s] momentum of all particles over their mass; 0 without particles. The momentum is not summed anew: all
+    /// changes since the start are added to its sum at the start.
     pub fn mean_velocity(&self) -> Vector3<f64> {
         if self.totals.mass > 0.0 { self.totals.momentum / self.totals.mass } else { Vector3::zeros() }
     }
@@ -374,7 +376,7 @@ impl Simulation {
         self.engine.in_islands()
     }
 
-    /// Wall time spent in each part of the engine.
+    /// Wall-clock time spent in each part of the engine.
     pub fn engine_spent(&self) -> crate::engine::EngineTimes {
         self.engine.work_done().1
     }

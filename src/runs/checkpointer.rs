@@ -32,7 +32,7 @@ pub struct Checkpointer {
     more: bool,
     /// True if a run was stopped before its end, by the user or because its results cannot be written.
     stopped: bool,
-    /// Reason why the results of the run in progress cannot be written; `None` if they can.
+    /// Reason why the results of the run in progress cannot be written; `None` if they can be written.
     unwritten: Option<String>,
     quiet: bool,
     resumed: bool,
@@ -42,7 +42,7 @@ pub struct Checkpointer {
     ends: Ends,
 }
 
-/// Place to which the end of a run goes, which is its final state and the data of its observers.
+/// Place to which the end of a run (its final state and the data of its observers) goes.
 #[derive(Clone, Default)]
 enum Ends {
     /// A file: it is written if other work remains, or if an earlier state of the run was stored.
@@ -422,7 +422,7 @@ fn time(kept: &StoredRun) -> String {
     numbers::significant(kept.pause.snapshot.time, 6)
 }
 
-/// Returns an error if the case or the variants of a command have changed since it began.
+/// Returns an error if the case or the variants of a command have changed since the command began.
 fn refuse_changes(earlier: &StoredCommand, now: &StoredCommand, case: &Case) -> Result<(), StudyError> {
     let path = case.path.display();
     let refuse = |what: String| {

@@ -1,4 +1,4 @@
-//! Runs one variant from its initial state to its outcome.
+//! Runs one variant from its initial state to its outcome. A variant is one of the experiments of a case.
 
 use super::checkpointer::Checkpointer;
 use super::error::StudyError;
@@ -126,8 +126,8 @@ pub struct SharedRun<'a> {
 }
 
 /// Takes part in a run that all processes share, in a process other than the lead. `others` are the additional
-/// observers that work on parts of the particles. They have the order in which the lead process lists them, before all
-/// its other additional observers.
+/// observers that work on parts of the particles. The lead process must list the same observers in the same order,
+/// before its other additional observers.
 pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Ranks) {
     let experiment = &run.experiment;
     let Ok(start) = run.start() else { return };
@@ -154,8 +154,9 @@ pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Rank
 
 /// Makes the simulation of a run from `start`, or from the stored state if there is one. `begun` is the position of a
 /// run at its start: its place in the schedule, and the next times of its observers. Also returns the position from
-/// which the run continues. The last result is the end of a stored run that had ended, which is its failure if it
-/// failed; `None` if the run goes on. Of `observers`, the first `common` exist in all processes.
+/// which the run continues. The last result is `None` if the run goes on. For a stored run that had ended, it contains
+/// the failure of this run, or `Some(None)` without a failure. The first `common` of the `observers` exist in all
+/// processes.
 fn begin_or_resume(
     run: &ResumableRun,
     start: Start,
@@ -190,9 +191,9 @@ fn begin_or_resume(
     Ok((simulation, course, over))
 }
 
-/// Stores the state of a run at a checkpoint or at the end of the run. `over` is the end of the run, with its failure
-/// if any; `None` at a checkpoint. Returns the failure that stops the run: it was asked to stop, or a file could not
-/// be written.
+/// Stores the state of a run at a checkpoint or at the end of the run. `over` is `None` at a checkpoint. At the end it
+/// contains the failure of the run, or `Some(None)` without a failure. Returns the failure that stops the run: it was
+/// asked to stop, or a file could not be written.
 fn store(
     simulation: &mut Simulation,
     course: &RunLoop,

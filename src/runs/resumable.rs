@@ -43,7 +43,7 @@ impl ResumableRun {
         Self { experiment, identity, is_lone: false, trajectory: None, start: Mutex::default() }
     }
 
-    /// Observer that writes the trajectory of the run into `folder`, with contacts if the case asks for the contact
+    /// Observer that writes the trajectory of the run into `folder`, with contacts if the case requests the contact
     /// network; `None` if no trajectory is written. The writing thread belongs to `scope`.
     pub fn trajectory<'scope, 'env>(
         &self,

@@ -63,7 +63,7 @@ impl<'a> StandardObservers<'a> {
         }
     }
 
-    /// All standard observers and the measurements that the case asks for, followed by the observers `others`.
+    /// All standard observers and the measurements that the case requests, followed by the observers `others`.
     pub fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
         let Self { profiles, motion, pairs, walls, energy, momentum, .. } = self;
         let Self { stresses, gas, flows, series, paths, kinds, rings, mixing, measurements, .. } = self;
@@ -74,7 +74,8 @@ impl<'a> StandardObservers<'a> {
         own.into_iter().chain(asked).chain(others.iter_mut().map(|other| &mut **other as &mut dyn Observer)).collect()
     }
 
-    /// Outcome of a run that has ended or failed, made from the measurements of the observers.
+    /// Outcome of a run that has ended or failed, made from the measurements of the observers. `failure` is the reason
+    /// why the run failed; `None` if it ended. `final_state_hash` is the hash of its final state.
     pub fn outcome(self, simulation: &Simulation, failure: Option<Failure>, final_state_hash: u64) -> Outcome {
         let steadiness =
             self.motion.steadiness(self.experiment.run.average_from, self.kinds.series(&self.experiment.scene));

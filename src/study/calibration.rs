@@ -62,9 +62,9 @@ pub struct Physics {
     pub temperatures: Vec<f64>,
     /// Velocity variances at different heights between the walls and in different directions, divided by their mean.
     pub spread: AgitationSpread,
-    /// [m/s] distribution of the normal speeds of collisions between particles. Given only if the temperature changes
-    /// during the run, so that the speeds do not follow from its mean. `None` if gas, heating or lossless impacts keep
-    /// the temperature constant, or after too few collisions.
+    /// [m/s] distribution of the normal speeds of collisions between particles. `None` after too few collisions, or if
+    /// gas, heating or lossless impacts keep the temperature constant. With a constant temperature, the speeds follow
+    /// from its mean.
     pub pair_speeds: Option<Histogram>,
     /// [m/s] distribution of the normal speeds of wall impacts; `None` after too few impacts.
     pub wall_speeds: Option<Histogram>,
@@ -256,8 +256,9 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
 }
 
 /// Copy of the experiment with the collision model and the time stepping of `choice`. Soft and hybrid spheres get the
-/// contact law `law`; without it, that of the case. `None` if they need a contact law and neither gives one, and for
-/// models without lasting contacts if the scene has servo walls.
+/// contact law `law` or, if `law` is `None`, that of the case. The result is `None` if they need a contact law and
+/// neither gives one. It is also `None` if the scene has walls that the model cannot have. These are servo walls for
+/// hard spheres, all moving walls for collisions by chance (DSMC), and thermal walls for soft and hybrid spheres.
 pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<ContactLaw>) -> Option<Experiment> {
     let scene = &experiment.scene;
     let is_refused = match choice {

@@ -1,5 +1,5 @@
 //! `diptych check CASE`: lists the runs that a case defines, with predictions, and runs nothing. A window is the time
-//! between two exchanges with the gas.
+//! between two exchanges with the gas. A variant is one of the experiments of a case.
 
 use crate::case::{Case, Checked, Diagnostic, describe, name_of};
 use crate::cli::Check;

@@ -1,5 +1,5 @@
 //! `diptych compare`: runs the variants of a case, one after the other, each alone on the machine. Replicas of a
-//! variant are runs with different seeds.
+//! variant are runs with different seeds. A variant is one of the experiments of a case.
 
 use super::judge::{Criteria, judge_at};
 use super::replicas::pool;

@@ -1,4 +1,5 @@
-//! `diptych fluid`: writes the velocity profile of the gas as a table and a figure, without moving any particle.
+//! `diptych fluid`: writes the velocity profile of the gas as a table and a figure, without moving any particle. A
+//! variant is one of the experiments of a case.
 
 mod among;
 

@@ -1,4 +1,5 @@
-//! `diptych impact`: computes one impact of two spheres, or of a sphere and a wall, with each collision model.
+//! `diptych impact`: computes one impact of two spheres, or of a sphere and a wall, with each collision model. A
+//! variant is one of the experiments of a case.
 
 use super::oblique::oblique;
 use crate::case::describe_variants;
@@ -89,7 +90,8 @@ pub fn impact(args: &ImpactArguments) -> Result<(), StudyError> {
     failures_of(bounces.iter().map(|bounce| (bounce.name.as_str(), bounce.failure.as_ref())))
 }
 
-/// Notes for the reader on effects that are missing in the pictures or in the closed form.
+/// Notes for the reader on effects that are missing in the pictures or in the closed form. The properties of the
+/// contact are in `surface`.
 fn notes(surface: &Surface) -> Vec<String> {
     let mut notes = vec![
         "The closed form of a soft contact (the paper's Eq. 6) leaves out gravity and any other contact while it lasts."
@@ -270,8 +272,8 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -
 }
 
 /// Closed form of the impact: straight flight until the bodies touch, the contact, then straight flight. A soft contact
-/// follows the contact law (Eq. 6 of the paper); a hard one takes an instant. `None` if gravity curves the flight
-/// towards a wall, if the wall moves, or if the bodies do not meet.
+/// follows the contact law (Eq. 6 of the paper of docs/paper.md); a hard one takes an instant. `None` if gravity curves
+/// the flight towards a wall, if the wall moves, if the bodies do not meet, or if the contact has no end.
 fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) -> Option<Analytic> {
     let approach = -first.normal_velocity;
     let scene = &experiment.scene;

@@ -1,6 +1,6 @@
 //! Oblique impacts of the two bodies of `diptych impact`, for comparison with measured points. Each variant gives a
 //! curve: the reduced slip s/(μ u_n) after an impact as a function of the reduced slip before it. Here s is the slip, μ
-//! the coefficient of friction and u_n the normal speed.
+//! the coefficient of friction and u_n the normal speed. A variant is one of the experiments of a case.
 
 use super::impact::ImpactPair;
 use crate::engine::Partner;

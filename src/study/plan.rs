@@ -55,7 +55,8 @@ pub fn plan(args: &Arguments) -> Result<(), StudyError> {
 }
 
 /// Experiment of the case with its own model. If this model cannot run the case, the model is soft spheres or else hard
-/// spheres. A plan needs any model that can run, since it recommends the model itself.
+/// spheres. A plan needs any model that can run, since it recommends the model itself. A `seed` replaces that of the
+/// case.
 pub fn any_model(case: &Case, seed: Option<u64>) -> Result<Checked, Diagnostic> {
     case.experiment(None, seed).or_else(|why| {
         let other = |model| case.experiment(Some(model), seed).ok();
@@ -122,7 +123,7 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
 }
 
 /// Predictions that do not depend on the contact law, such as collision rates, mean free path and rest. Fields that
-/// depend on the contact law are empty.
+/// depend on the contact law are empty. `measured` contains the measurements of a short run; `None` without such a run.
 fn without_contacts(
     experiment: &Experiment,
     target: f64,
@@ -241,7 +242,8 @@ fn with_contacts(
 }
 
 /// Kinds of contact of the case, such as that of two species, with their impact speeds. In a gas the speeds follow from
-/// the temperatures; in scenes of few bodies they are those of the bodies.
+/// the temperatures; in scenes of few bodies they are those of the bodies. `measured` contains the measurements of a
+/// short run; `None` without such a run.
 fn kinds(
     experiment: &Experiment,
     plan: &RunPrediction,

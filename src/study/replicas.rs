@@ -1,4 +1,5 @@
-//! `--replicas`: runs one variant with several seeds, and averages the results to one outcome.
+//! `--replicas`: runs one variant with several seeds, and averages the results to one outcome. A variant is one of the
+//! experiments of a case.
 
 use crate::experiment::{Amount, Experiment};
 use crate::observe::{KindAverages, Observation};

@@ -15,7 +15,7 @@ use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share
 use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 
-/// Makes a further observer of a run of the experiment.
+/// Function that makes a further observer (measurement during a run) for the run of an experiment.
 pub type MakeObserver<'a> = &'a mut dyn FnMut(&Experiment) -> Result<Box<dyn Observer>, StudyError>;
 
 /// Begins or resumes the run of a case with one model, and writes the results to one folder. `make` makes a further
@@ -80,9 +80,10 @@ fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), Stud
     Ok((variants, reason))
 }
 
-/// Refuses the option `--budgets` (budgets of the second moments of velocity) where budgets would be wrong. They follow
-/// each particle from window to window (time between two exchanges with the gas), in windows of one length. From each
-/// change of velocity they subtract drag in the mean gas flow and gravity, and count the rest as impacts.
+/// Refuses the option `--budgets` (budgets of the second moments of velocity) where budgets would be wrong. A budget
+/// follows each particle from window to window (time between two exchanges with the gas), and all windows must have one
+/// length. From each change of velocity it subtracts drag in the mean gas flow and gravity, and counts the rest as
+/// impacts.
 fn refuse_budgets(args: &Run, experiment: &Experiment) -> Result<(), StudyError> {
     if !args.budgets {
         return Ok(());

@@ -1,5 +1,5 @@
-//! `diptych sweep CASE`: runs the variants of a case at several values of its keys. Replicas are runs with different
-//! seeds.
+//! `diptych sweep CASE`: runs the variants of a case at several values of its keys. A variant is one of the experiments
+//! of a case, a point is one value for each of these keys, and replicas are runs with different seeds.
 //!
 //! The hash of the resolved case identifies a run. The result of a run is stored under this hash, and remains when the
 //! sweep has ended. If a sweep is started again, also with other values, only the missing runs are done. A run that

@@ -136,8 +136,8 @@ fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
     }
 }
 
-/// Adds a note if the cells of collisions by chance are too thick across a sheared box: thicker than √T/γ, with the
-/// granular temperature T and the shear rate γ, or thicker than the mean free path.
+/// Adds a note if the cells in which colliding pairs are drawn at random (model `dsmc`) are too thick across a sheared
+/// box: thicker than √T/γ, with the granular temperature T and the shear rate γ, or thicker than the mean free path.
 fn cells_in_shear(outcome: &Outcome, note: &mut impl FnMut(String)) {
     let experiment = &outcome.experiment;
     let scene = &experiment.scene;

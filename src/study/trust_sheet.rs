@@ -1,4 +1,5 @@
-//! Trust sheet of a variant: numbers that show how reliable its results are, each with its expected value or its limit.
+//! Trust sheet of a variant (one of the experiments of a case): numbers that show how reliable its results are, each
+//! with its expected value or its limit. The paper is that of docs/paper.md.
 
 use super::trust::{MISS, meets_several, softness};
 use crate::engine::Failure;

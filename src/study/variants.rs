@@ -1,5 +1,5 @@
 //! Variants of a case that are run one after the other, each with its replicas (runs with different seeds): the list of
-//! their runs, and their results.
+//! their runs, and their results. A variant is one of the experiments of a case.
 
 use super::replicas::replicas;
 use super::trust_sheet::trust_sheet;

@@ -1,4 +1,5 @@
-//! Key `against` of a variant: the name of another variant, or a table of values.
+//! Key `against` of a variant: the name of another variant, or a table of values. A variant is the case with one
+//! collision model and some settings.
 
 use super::de::Located;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};

@@ -1,5 +1,5 @@
-//! Cases, and sets of values that cases can use, compiled into the program. So the program finds them without a folder
-//! on the disk.
+//! Cases, and sets of values (parts of cases, which a case includes by `use`), compiled into the program. So the
+//! program finds them without a folder on the disk.
 
 use include_dir::{Dir, include_dir};
 use std::path::{Path, PathBuf};

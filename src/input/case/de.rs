@@ -88,8 +88,8 @@ impl Error {
     }
 }
 
-/// A list of an argument `--set` with quotes about its texts, without which it is read as one string. `None` for other
-/// texts, and for lists of lists or tables.
+/// List that was typed in an argument `--set` without quotes, such as `[x, y]`, with quotes around each text. Without
+/// quotes the whole list would be one string. `None` for other texts, and for lists of lists or tables.
 fn with_quotes(typed: &str) -> Option<String> {
     let inside = typed.strip_prefix('[')?.strip_suffix(']').filter(|inside| !inside.contains(['[', '{', '\'']))?;
     let parts = inside.split(',').map(str::trim).filter(|part| !part.is_empty());

@@ -1,4 +1,4 @@
-//! Describes an experiment in plain words.
+//! Describes an experiment in plain words. A variant is the case with one collision model and some settings.
 
 use super::parameters::{bulk_velocity, volume_fraction};
 use crate::experiment::{

@@ -1,11 +1,13 @@
-//! Reads a case from a TOML file, its sets of values and the command line, and makes checked experiments in SI.
+//! Reads a case from a TOML file, the sets of values that this file names by `use`, and the command line, and makes
+//! checked experiments in SI.
 //!
 //! ```text
 //!  text --tree--> CaseNode --overlay: use, set, --set--> CaseNode --de--> CaseFile --resolve--> Experiment
 //! ```
 //!
-//! Every value keeps its source position through all steps, so that each message contains file and line. A new key
-//! requires a field in [`mod@file`], and a check in the corresponding file of `resolve/`.
+//! Every value keeps its source position through all steps, so that each message contains file and line. A variant is
+//! the case with one collision model and some settings. A new key requires a field in [`mod@file`], and a check in the
+//! corresponding file of `resolve/`.
 
 mod against;
 mod bare;

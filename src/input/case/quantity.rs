@@ -61,7 +61,7 @@ pub type Area = Quantity<2, 0, 0>;
 /// [Pa s/m] pressure over speed: damping of a servo wall.
 pub type PressurePerSpeed = Quantity<-2, 1, -1>;
 
-/// Names of the common dimensions, each with its SI unit and an example.
+/// Common dimensions, each with its exponents, its name, its SI unit and an example.
 const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([0, 0, 0], "a plain number", "", "0.5"),
     ([1, 0, 0], "a length", "m", "\"1.5 mm\""),
@@ -87,7 +87,8 @@ const DIMENSIONS: &[(Exponents, &str, &str, &str)] = &[
     ([-2, 1, -1], "a pressure per speed", "Pa s/m", "\"500 Pa s/m\""),
 ];
 
-/// Units that take no prefix: name, exponents of the dimension, power of ten, factor.
+/// Units that take no prefix: name, exponents of the dimension, power of ten, factor. In SI the unit is factor ·
+/// 10^power.
 pub(super) const WHOLE_UNITS: &[(&str, Exponents, i32, f64)] = &[
     ("1", [0, 0, 0], 0, 1.0),
     ("%", [0, 0, 0], -2, 1.0),
@@ -98,7 +99,7 @@ pub(super) const WHOLE_UNITS: &[(&str, Exponents, i32, f64)] = &[
     ("h", [0, 0, 1], 0, 3600.0),
 ];
 
-/// Units that take a prefix: name, exponents of the dimension, power of ten.
+/// Units that take a prefix: name, exponents of the dimension, power of ten by which the unit differs from the SI unit.
 pub(super) const UNITS: &[(&str, Exponents, i32)] = &[
     ("m", [1, 0, 0], 0),
     ("g", [0, 1, 0], -3),

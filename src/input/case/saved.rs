@@ -16,7 +16,7 @@ pub fn sign(text: &str, particles: usize) -> String {
 /// Returns true if `text` is an unchanged saved state, false if it does not begin with the first line of a saved state.
 ///
 /// # Errors
-/// In words: the text does not match the checksum or the number of particles in its first line.
+/// A message in words: the text does not match the checksum or the number of particles in its first line.
 pub fn verify(text: &str) -> Result<bool, String> {
     let Some(signed) = text.strip_prefix(BEGIN) else { return Ok(false) };
     let (line, table) = signed.split_once('\n').unwrap_or((signed, ""));

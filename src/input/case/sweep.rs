@@ -1,4 +1,5 @@
-//! Keys that a sweep varies, given by `[[sweep]]` in a case or by `--sweep key=a,b,c`.
+//! Keys that a sweep varies, given by `[[sweep]]` in a case or by `--sweep key=a,b,c`. A variant is the case with one
+//! collision model and some settings.
 
 use super::diagnostic::Diagnostic;
 use super::source::{Source, SourceKind, Sources};

@@ -1,7 +1,7 @@
 //! A case as a tree of values, each with its source position.
 //!
-//! A case file, the sets of `models/` that it uses, the `set` of a variant and the `--set` arguments are all read into
-//! such trees. One function, [`CaseNode::overlay`], merges them.
+//! A case file, the sets of `models/` that it uses, the `set` of a variant (an entry of `[[compare]]`) and the `--set`
+//! arguments are all read into such trees. One function, [`CaseNode::overlay`], merges them.
 
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Sources};
@@ -128,7 +128,7 @@ const DEEPEST: usize = 64;
 /// Reads a path such as `a.b[0].c`.
 ///
 /// # Errors
-/// In words: the text is not such a path.
+/// A message in words: the text is not such a path.
 pub fn parse_path(text: &str) -> Result<Vec<KeyPart>, String> {
     let bad = |why: &str| format!("`{}` is not a key such as `particles[0].count`: {why}", quote(text));
     let mut path = Vec::new();

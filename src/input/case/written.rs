@@ -1,4 +1,4 @@
-//! Writes a case with all changes as a new case file.
+//! Writes a case with all changes as a new case file. A variant is the case with one collision model and some settings.
 
 use super::Case;
 use super::diagnostic::Diagnostic;

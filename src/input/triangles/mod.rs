@@ -37,7 +37,7 @@ impl TriangleFormat {
     /// Reads the contents of a file in this format.
     ///
     /// # Errors
-    /// In words: the fault of the file, with its line or triangle.
+    /// A message in words: the fault of the file, with its line or triangle.
     pub fn read(self, bytes: &[u8]) -> Result<TriangleFile, String> {
         match self {
             Self::Stl => stl::stl(bytes),

@@ -58,7 +58,7 @@ struct Reading {
 /// Reads the triangles of an OBJ file. Polygons are divided into triangles.
 ///
 /// # Errors
-/// In words, with the number of the line.
+/// A message in words, with the number of the line.
 pub fn obj(bytes: &[u8]) -> Result<TriangleFile, String> {
     let mut reading = Reading::default();
     let mut words = Words::of(bytes);

@@ -26,7 +26,7 @@ pub struct Cut {
 /// triangles fit those of neighbouring polygons.
 ///
 /// # Errors
-/// In words: edges of the polygon cross each other.
+/// A message in words: edges of the polygon cross each other.
 pub fn cut(corners: &[Vector3<f64>]) -> Result<Cut, &'static str> {
     let fan = || (1..corners.len() - 1).map(|k| [0, k, k + 1]).collect();
     let length = corners.iter().map(|corner| (corner - corners[0]).norm()).fold(0.0, f64::max);

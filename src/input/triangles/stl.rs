@@ -19,7 +19,7 @@ const TEXT: &str = "text STL file";
 /// Reads the triangles of an STL file, text or binary.
 ///
 /// # Errors
-/// In words: the recognized format, and the faulty line or triangle.
+/// A message in words: the recognized format, and the faulty line or triangle.
 pub fn stl(bytes: &[u8]) -> Result<TriangleFile, String> {
     let announced = bytes.get(HEAD - 4..HEAD).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     let length = |count: u32| HEAD as u64 + u64::from(count) * TRIANGLE as u64;

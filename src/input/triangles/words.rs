@@ -29,7 +29,7 @@ impl Word<'_> {
     /// Value of the word as a finite number, and its number of significant digits [-].
     ///
     /// # Errors
-    /// In words: the word is not a finite number.
+    /// A message in words: the word is not a finite number.
     pub fn number(&self) -> Result<(f64, usize), String> {
         let text = std::str::from_utf8(self.bytes).unwrap_or("");
         let number = text.parse::<f64>().ok().filter(|number| number.is_finite());

@@ -1,4 +1,4 @@
-//! Scene of the lab: a short and narrow piece of the channel flow of the reference paper.
+//! Scene of the lab: a short and narrow piece of the channel flow of the paper (docs/paper.md).
 
 use super::{BoxView, HARD, LabScene, SOFT};
 use crate::lab::gauge::Gauge;

@@ -1,4 +1,4 @@
-//! Parts of a report about the balance of energy.
+//! Parts of a report about the balance of energy. A variant is one of the experiments of a case.
 
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Table, TextRow};

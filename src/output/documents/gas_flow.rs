@@ -1,4 +1,5 @@
-//! Parts of a report about a gas on which the particles act (two-way coupling).
+//! Parts of a report about a gas on which the particles act (two-way coupling). A variant is one of the experiments of
+//! a case.
 
 use super::run::{measured, table};
 use crate::observe::GasFlow;

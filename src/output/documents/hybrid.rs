@@ -1,5 +1,5 @@
 //! Parts of a report about the instantaneous impacts in hybrid runs: their share of all impacts, and the neglected
-//! contact times and overlaps.
+//! contact times and overlaps. A variant is one of the experiments of a case.
 
 use super::run::table;
 use crate::experiment::Model;

@@ -1,4 +1,5 @@
-//! Document of an impact study, which computes one impact with several variants.
+//! Document of an impact study, which computes one impact with several variants. A variant is one of the experiments of
+//! a case.
 
 use crate::output::document::{Block, Document, TextRow, known, status};
 use crate::output::numbers::{count, quantity, significant};

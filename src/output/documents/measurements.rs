@@ -1,4 +1,5 @@
-//! Parts of a report about the measurements that a case asks for, and their tables of numbers.
+//! Parts of a report about the measurements that a case requests, and their tables of numbers. A variant is one of the
+//! experiments of a case.
 
 use super::run::{distinct, measured};
 use crate::observe::{Observation, ObservedCurve, ObservedGrid, ObservedNumber};

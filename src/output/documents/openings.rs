@@ -1,4 +1,4 @@
-//! Parts of a report about inlets and outlets.
+//! Parts of a report about inlets and outlets. A variant is one of the experiments of a case.
 
 use super::run::measured;
 use crate::observe::{FlowAverages, FlowSample};

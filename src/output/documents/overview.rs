@@ -1,4 +1,5 @@
-//! Overview of a comparison: a table of answers, a picture of the differences with the margin, and the cost.
+//! Overview of a comparison of variants (experiments of a case): a table of answers, a picture of the differences with
+//! the margin (largest accepted difference), and the cost.
 
 use crate::output::document::{AnswerCell as Cell, Block, Matrix};
 use crate::output::figures::{COST, IN_PER_CENT, in_per_cent, quantities, symbol};
@@ -77,7 +78,8 @@ fn judged(verdict: &Verdict) -> &[Judged] {
     verdict.comparison.as_ref().map_or(&[], |comparison| &comparison.judged)
 }
 
-/// Symbols of the numbers that some variant measures and compares under `[observe]`, in order of first appearance.
+/// Symbols of the numbers that some variant measures and compares because the case has a table `[observe]`, in order of
+/// first appearance.
 fn observed_numbers<'a>(verdicts: &[&'a Verdict]) -> Vec<&'a str> {
     let mut names: Vec<&str> = Vec::new();
     for one in verdicts.iter().flat_map(|verdict| &verdict.observed) {

@@ -1,4 +1,4 @@
-//! Document of a run or a comparison.
+//! Document of a run or a comparison. A variant is one of the experiments of a case.
 
 use super::{energy, gas_flow, hybrid, kinds, measurements, openings, overview, stress, trust, verdict, work};
 use crate::outcome::Outcome;
@@ -15,7 +15,7 @@ use crate::statistics::{Answer, Estimate};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Largest number of answers that are shown at the top of a page.
+/// Largest number of answers of comparisons (equivalent, different or unresolved) that are shown at the top of a page.
 const ANSWERS: usize = 3;
 
 /// Number of standard errors beyond which a deviation from an expected value is highlighted.
@@ -219,8 +219,8 @@ fn impacts(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-/// Restitution that a case gives, as text. A restitution that depends on the speed is evaluated at the mean normal
-/// speed of impact, `speed` [m/s].
+/// Restitution that a case gives, as text. A restitution that depends on the speed is evaluated at `speed` [m/s], the
+/// mean normal speed of impact. If this speed is unknown (`None`), the text is "by speed".
 fn requested(surface: &Surface, speed: Option<f64>) -> String {
     match (surface.by_speed, speed) {
         (None, _) => significant(surface.restitution, 4),
@@ -332,7 +332,8 @@ pub(super) fn measured(found: Option<Estimate>) -> Value {
     json!({ "value": found.map(|found| found.value), "standard_error": found.and_then(|found| found.error) })
 }
 
-/// Results of a variant for `summary.json`, in SI units; `null` means an unknown value.
+/// Results of a variant for `summary.json`, in SI units; `null` means an unknown value. `parameters` contains all
+/// settings of the variant; `None` if they are not known.
 fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
     let (experiment, record) = (&outcome.experiment, &outcome.record);
     let (pairs, walls) = (outcome.pairs.summary(), outcome.walls.summary());

@@ -1,4 +1,5 @@
-//! Parts of a report about stress, contacts per particle and volume fraction.
+//! Parts of a report about stress, contacts per particle and volume fraction. A variant is one of the experiments of a
+//! case.
 
 use super::run::{measured, table};
 use crate::experiment::Model;

@@ -1,4 +1,5 @@
-//! Document of a sweep, which runs a case with several values of its keys.
+//! Document of a sweep, which runs the variants of a case (its experiments) with several values of its keys. A point is
+//! one value for each of these keys.
 
 use crate::output::document::{Block, Document};
 use crate::output::files::write_summary;

@@ -1,4 +1,5 @@
-//! Parts of a document about the trust sheets. A trust sheet contains checks of the results of a run.
+//! Parts of a document about the trust sheets. A trust sheet contains checks of the results of a run. A variant is one
+//! of the experiments of a case.
 
 use crate::output::document::{Block, Table};
 use crate::output::numbers::{UNKNOWN, quantity, significant, with_error};

@@ -1,4 +1,5 @@
-//! Part of a page with the answers of a comparison: which variants are equivalent or different, and by how much.
+//! Part of a page with the answers of a comparison: which variants are equivalent or different, and by how much. A
+//! variant is one of the experiments of a case.
 
 use crate::output::OutputError;
 use crate::output::csv::{CsvTable, number};

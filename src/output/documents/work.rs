@@ -1,4 +1,5 @@
-//! Parts of a report about the cost of runs, in wall-clock time and in numbers of operations.
+//! Parts of a report about the cost of runs, in wall-clock time and in numbers of operations. A variant is one of the
+//! experiments of a case.
 
 use super::run::{distinct, table};
 use crate::experiment::{HardStepping, Model};

@@ -1,4 +1,5 @@
-//! Pictures of one impact over time (the paper's Fig. 4), and of the slip after oblique impacts.
+//! Pictures of one impact over time (Fig. 4 of the paper, docs/paper.md), and of the slip after oblique impacts. A
+//! variant is one of the experiments of a case.
 
 use super::chart;
 use crate::output::numbers::Prefix;

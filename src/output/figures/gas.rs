@@ -1,5 +1,5 @@
-//! Figures of the gas velocity: across the channel (the paper's Fig. 2), and in wall units next to a direct numerical
-//! simulation.
+//! Figures of the gas velocity: across the channel (Fig. 2 of the paper, docs/paper.md), and in wall units next to a
+//! direct numerical simulation. A variant is one of the experiments of a case.
 
 use super::chart;
 use super::profiles;
@@ -9,8 +9,8 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::Figure;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
-/// Points (y⁺, U⁺) of a direct numerical simulation of channel flow at Re_τ = 1000.512, u_τ = 0.0500256 U_b: Lee and
-/// Moser 2015, J. Fluid Mech. 774, 395-415.
+/// Points (y⁺, U⁺) of a direct numerical simulation of channel flow at Re_τ = 1000.512, in wall units. Its friction
+/// velocity u_τ is 0.0500256 of the bulk velocity. From Lee and Moser 2015, J. Fluid Mech. 774, 395-415.
 pub const CHANNEL_DNS: [(f64, f64); 9] = [
     (5.0, 4.829),
     (10.0, 8.434),

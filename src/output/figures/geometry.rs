@@ -1,4 +1,4 @@
-//! Figure of the box with its axes in an oblique view, which corresponds to the paper's Fig. 1.
+//! Figure of the box with its axes in an oblique view, which corresponds to Fig. 1 of the paper (docs/paper.md).
 
 use super::chart;
 use crate::output::numbers::Prefix;

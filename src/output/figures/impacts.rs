@@ -1,5 +1,6 @@
-//! Figures of the distributions of impacts (the paper's Fig. 6), and of mean overlaps against the overlap number κ_n
-//! (the paper's Eq. 13).
+//! Figures of the distributions of impacts (Fig. 6 of the paper), and of mean overlaps against the overlap number κ_n
+//! (Eq. 13 of the paper). The paper is that of docs/paper.md. κ_n is the time average of the overlap over the diameter
+//! in a Maxwellian gas. A variant is one of the experiments of a case.
 
 use super::chart;
 use crate::experiment::SoftStepping;

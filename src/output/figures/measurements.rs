@@ -1,4 +1,4 @@
-//! Figures of the measurements that a case asks for.
+//! Figures of the measurements that a case requests. A variant is one of the experiments of a case.
 
 use super::file_name;
 use super::map::map;

@@ -2,7 +2,7 @@
 //!
 //! All pictures have the style of the file `chart.rs`. Bands show one standard error. A variant has the same colour,
 //! dash pattern and marker in every picture. Values that cannot be drawn are left out. A panel without points contains
-//! the text "nothing recorded".
+//! the text "nothing recorded". A variant is one of the experiments of a case.
 
 mod bounces;
 mod budgets;

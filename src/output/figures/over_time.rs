@@ -1,5 +1,5 @@
 //! Figures of curves over time: averages over all particles, and the path of each particle if the particles are few.
-//! Theoretical curves are added where a theory is valid.
+//! Theoretical curves are added where a theory is valid. A variant is one of the experiments of a case.
 
 use super::{chart, file_name};
 use crate::experiment::Model;

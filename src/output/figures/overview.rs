@@ -1,6 +1,6 @@
 //! Figures at the top of the page of a comparison: differences in per cent with the margin of equivalence, and the
 //! cost. The pictures use the colours of the page, so that they fit its dark mode too. In separate files they have
-//! light colours.
+//! light colours. A variant is one of the experiments of a case.
 
 use crate::output::numbers::significant;
 use crate::output::panel::Figure;
@@ -17,7 +17,7 @@ pub const COST: &str = "cost";
 const WIDTH: f64 = 560.0;
 /// [px] width of the column with the names of the rows.
 const NAMES: f64 = 168.0;
-/// [px] height of a row of the picture without its points, and additional height for each point.
+/// [px] height of a row of the picture without its points. [`POINT`] is the additional height for each point.
 const ROW: f64 = 10.0;
 const POINT: f64 = 11.0;
 /// [margins] largest difference on the axis, in units of the margin of equivalence. A larger difference is drawn at the

@@ -1,5 +1,6 @@
-//! Figures of profiles across the channel (the paper's Fig. 5 and 7), and of differences of profiles in standard
-//! errors.
+//! Figures of profiles across the channel (Fig. 5 and 7 of the paper, docs/paper.md), and of differences of profiles in
+//! standard errors. A variant is one of the experiments of a case. Variants that are drawn in the same panel form a
+//! group.
 
 use super::chart;
 use crate::fluid::Profile;

@@ -1,4 +1,5 @@
-//! Figures of a sweep: each observable as a function of the first varied key.
+//! Figures of a sweep: each observable as a function of the first varied key. A point of the sweep is one value for
+//! each varied key. A variant is one of the experiments of a case.
 
 use super::chart;
 use super::limits::x_range;

@@ -12,8 +12,8 @@ const LOWEST: f64 = 1e-9;
 /// [-] largest error with which a method may be marked as the cheapest one, followed by this error as text.
 pub const WITHIN: (f64, &str) = (0.01, "1 %");
 
-/// Figures of the error of each quantity. The first figures show it as a function of the number of operations, the
-/// others as a function of wall-clock time.
+/// Figures of the error of each quantity. The first figures show the error as a function of the number of operations,
+/// the others as a function of wall-clock time.
 pub fn work_precision(study: &ChartStudy) -> Vec<Figure> {
     let all = |cost: CostMeasure, name: &'static str, words: &'static str| {
         study.quantities.iter().enumerate().map(move |(index, quantity)| {

@@ -1,4 +1,5 @@
-//! Recording of one impact for an animation. Gaps and overlaps are enlarged so that they are visible.
+//! Recording of one impact for an animation. Gaps and overlaps are enlarged so that they are visible. A variant is one
+//! of the experiments of a case.
 
 use super::{Player, RecordedVariant, RecordingFrame};
 use crate::observe::{Frame, Frames};

@@ -1,10 +1,10 @@
-//! Animations of several variants next to each other on a page: data for player.js, and still pictures for print and
-//! for readers without scripts.
+//! Animations of several variants (experiments of a case) next to each other on a page: data for player.js, and still
+//! pictures for print and for readers without scripts.
 //!
 //! The page contains the recording as JSON. Positions are 16-bit fractions of the box; velocities, overlaps and spins
 //! are 16-bit fractions of their largest value. This resolution is finer than that of a screen. The order is: all
 //! positions, all velocities, overlaps (if any), spins (if any). At the end are code numbers of the methods that moved
-//! the particles. The values of each quantity are ordered by frame, then by particle.
+//! the particles. The values of each quantity are ordered by frame (recorded instant), then by particle.
 
 mod impact;
 mod outlines;

@@ -1,15 +1,15 @@
-//! Files that a frame of a trajectory has in addition to that of its particles, for ParaView.
+//! Files that a frame (instant) of a trajectory has in addition to the file of its particles, for ParaView.
 
 use super::Vtp;
 use crate::observe::ContactLine;
 
-/// File that a frame has in addition to that of its particles. The discriminant, such as `Walls = 1`, is the part
+/// File that a frame has in addition to the file of its particles. The discriminant, such as `Walls = 1`, is the part
 /// number of the file in the index for ParaView.
 #[derive(Clone, Copy)]
 pub(super) enum Beside {
     /// Surfaces of the walls at the instant of the frame, if walls move.
     Walls = 1,
-    /// Contacts at the instant of the frame, if the case asks for the contact network.
+    /// Contacts at the instant of the frame, if the case requests the contact network.
     Contacts = 2,
 }
 

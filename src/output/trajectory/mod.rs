@@ -1,5 +1,5 @@
-//! Trajectory files: the particles at the same times in all variants. The formats are VTK for ParaView (`.vtp` with a
-//! `.pvd` index), and extended XYZ for OVITO and ASE.
+//! Trajectory files: the particles at the same times in all variants (experiments of a case). The formats are VTK for
+//! ParaView (`.vtp` with a `.pvd` index), and extended XYZ for OVITO and ASE.
 //!
 //! An observer copies the required data of the simulation, and sends the copy to a thread that sorts and writes it.
 //! Each file is written either completely or not at all. At any time the memory holds at most two frames. If the disk
@@ -50,8 +50,8 @@ pub(super) fn is_ours(path: &Path) -> bool {
 
 /// Messages to the thread that writes trajectory files.
 enum WriterMessage {
-    /// Data needed before the first frame (file of one instant): surfaces of walls that do not move, times [s] of
-    /// existing frames, and a flag that is true if spheres rotate.
+    /// Data needed before the first frame (file of one instant): surfaces of the walls (`None` if a wall moves), times
+    /// [s] of existing frames, and a flag that is true if spheres rotate.
     Begin(Option<[Vec<u8>; 3]>, Vec<f64>, bool),
     /// A further file of the next frame (instant of the trajectory), with its content: moving walls, or contacts.
     Beside(Beside, Vec<u8>),
@@ -266,8 +266,8 @@ impl<'scope> Trajectory<'scope> {
 }
 
 impl Observer for Trajectory<'_> {
-    /// Returns the next whole multiple of the requested interval. These times are the same in all variants, for windows
-    /// (times between two exchanges with the gas) of any length.
+    /// [s] simulated time of the next frame (file of one instant): the next whole multiple of the requested interval.
+    /// So the times are equal in all variants, for windows (times between two exchanges with the gas) of any length.
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
         // 1e-9 allows for the rounding error of a sum of windows
         Some(((now / self.asked.every * (1.0 + 1e-9)).floor() + 1.0) * self.asked.every)

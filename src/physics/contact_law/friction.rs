@@ -1,5 +1,5 @@
-//! Tangential force of a contact by Coulomb's law without memory. The paper uses this rule for spheres that do not
-//! rotate.
+//! Tangential force of a contact by Coulomb's law without memory. The paper that docs/paper.md describes uses this rule
+//! for spheres that do not rotate.
 
 use nalgebra::Vector3;
 

@@ -11,11 +11,11 @@ use std::f64::consts::PI;
 /// The elastic constant is k_H = 4/3 E sqrt(R), with the effective radius R and the effective modulus E: 1/E =
 /// (1-ν_p²)/E_p + (1-ν_q²)/E_q. E_p and E_q are Young's moduli of the two bodies, ν_p and ν_q their Poisson's ratios.
 ///
-/// In the plane of w = δ^(5/4) and speed, an impact follows the path of a linear spring and dashpot. With the effective
-/// mass M, the square of its frequency is ω_0² = 4 k_H/(5 M), and its damping ratio is c/sqrt(5 M k_H) (Antypov and
-/// Elliott 2011, EPL 94, 50004). The constant c = ζ sqrt(5 M k_H), with the damping ratio ζ of a linear dashpot,
-/// therefore gives exactly the required restitution at every speed, if the contact ends at δ = 0. The force is slightly
-/// attractive at the end. The time of the impact follows from dt = 4/5 w^(-1/5) ds, where s is the time of the
+/// In the plane of w = δ^(5/4) and the rate of δ, an impact follows the path of a linear spring and dashpot. With the
+/// effective mass M, the square of its frequency is ω_0² = 4 k_H/(5 M), and its damping ratio is c/sqrt(5 M k_H)
+/// (Antypov and Elliott 2011, EPL 94, 50004). The constant c = ζ sqrt(5 M k_H), with the damping ratio ζ of a linear
+/// dashpot, therefore gives exactly the required restitution at every speed, if the contact ends at δ = 0. The force is
+/// slightly attractive at the end. The time of the impact follows from dt = 4/5 w^(-1/5) ds, where s is the time of the
 /// oscillator.
 ///
 /// The constants between two bodies are k_H [N/m^1.5] and c [N s/m^1.25]. Walls count as flat. The law is valid if δ is

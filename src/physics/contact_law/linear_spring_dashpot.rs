@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 /// Normal force on particle p along the unit normal n (from body q to p): f_n = k_n δ - 2 γ_n M u_n. Here δ is the
 /// overlap, M the effective mass, and u_n = (u_p - u_q)·n the normal velocity.
 ///
-/// This is Eq. 3 of the paper with the sign of the spring corrected. The contact ends when δ = 0, so the force is
-/// slightly attractive at the end, and the restitution is exactly e_n. The law is valid if δ is small compared with the
-/// radius.
+/// This is Eq. 3 of the paper that docs/paper.md describes, with the sign of the spring corrected. The contact ends
+/// when δ = 0, so the force is slightly attractive at the end, and the restitution is exactly e_n. The law is valid if
+/// δ is small compared with the radius.
 ///
 /// The constants between two bodies are the stiffness k_n [N/m] and the dashpot 2 γ_n M [N s/m]. Here γ_n = ζ ω_0, with
 /// the damping ratio ζ and the undamped angular frequency ω_0 = sqrt(k_n/M) (the paper, below Eq. 6).

@@ -6,8 +6,9 @@
 //! law has closed forms.
 //!
 //! Sign convention: the overlap δ [m] is positive while the bodies touch. Its rate is minus the normal velocity u_n
-//! [m/s], which is negative while the bodies approach. A contact ends when δ = 0 (the paper's convention). The force is
-//! therefore slightly attractive at the end, and the restitution is exactly the required one.
+//! [m/s], which is negative while the bodies approach. A contact ends when δ = 0, the convention of the paper that
+//! docs/paper.md describes. The force is therefore slightly attractive at the end, and the restitution is exactly the
+//! required one.
 
 mod bodies;
 mod contract;
@@ -33,7 +34,8 @@ use std::f64::consts::PI;
 ///
 /// A law must satisfy four contracts, which are checked when a simulation is made ([`ContactLaw::check`]). The elastic
 /// force is zero at touch. The stored energy at an overlap is the work of the elastic force from touch to this overlap.
-/// The energy of every impact is stored at some overlap. The viscous force never accelerates the motion.
+/// For every impact there is an overlap at which the stored energy equals the kinetic energy, so that the motion stops.
+/// The viscous force never accelerates the motion.
 ///
 /// ```
 /// # extern crate diptych_physics as diptych;
@@ -220,8 +222,8 @@ pub enum ContactLaw {
     Other(&'static dyn Law),
 }
 
-/// Evaluates an expression with the chosen law. For the laws of this library, the compiler knows the type, so that no
-/// virtual call is needed.
+/// Evaluates an expression with the chosen law. For the laws of this library, the type is fixed when the program is
+/// compiled, so that no virtual call is needed.
 macro_rules! with_law {
     ($chosen:expr, $law:ident => $value:expr) => {
         match $chosen {

@@ -52,7 +52,8 @@ pub struct Kick {
     spread: Vec<Option<f64>>,
 }
 
-/// Sphere of one species, and its table of drag. If the table is empty, the drag law itself is evaluated.
+/// Sphere of one species, and the table of its relative change of slip velocity. If the table is empty, the drag law
+/// itself is evaluated.
 #[derive(Clone, Debug)]
 struct SpeciesTable {
     sphere: Sphere,
@@ -189,7 +190,7 @@ mod tests {
 
     const LAW: Drag = Drag::SchillerNaumann(SchillerNaumann);
 
-    /// The paper's spheres of 406 µm and 1.5 mm in air.
+    /// Spheres of the paper (`docs/paper.md`), of 406 µm and 1.5 mm, in air.
     const SPHERES: [Sphere; 2] = [
         Sphere { stokes_time: 0.520_687_601, reynolds_per_speed: 406e-6 / 1.515e-5, fraction: 0.0 },
         Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5, fraction: 0.0 },

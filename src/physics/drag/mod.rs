@@ -1,9 +1,10 @@
 //! Drag: force of the gas on a sphere along the slip velocity.
 //!
-//! During one kick the gas velocity is taken as constant, and drag alone changes the slip velocity. The slip velocity
-//! then keeps its direction. Its magnitude w [m/s] obeys the scalar equation dw/dt = -w/τ(w), with the response time τ
-//! [s]. The exact solution is stable for kicks of any length, and two successive half-kicks equal one whole kick. A law
-//! may have the solution in closed form; otherwise the equation is integrated numerically to 1e-12.
+//! A kick changes the velocities by the drag of a given time, without motion. In a kick the gas velocity is taken as
+//! constant, and drag alone changes the slip velocity. The slip velocity then keeps its direction. Its magnitude w
+//! [m/s] obeys the scalar equation dw/dt = -w/τ(w), with the response time τ [s]. The exact solution is stable for
+//! kicks of any length, and two successive kicks of half the time equal one kick of the whole time. A law may have the
+//! solution in closed form; otherwise the equation is integrated numerically to 1e-12.
 //!
 //! To add a law, write one file with `impl DragLaw`. Then add a `mod` line, a variant of [`Drag`] and an arm of `law`.
 
@@ -149,7 +150,7 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
 /// Drag law of a gas, either of a type that a case can contain or defined by the calling program.
 #[derive(Clone, Debug)]
 pub enum Drag {
-    /// The law of Schiller and Naumann (1935), which the paper uses.
+    /// The law of Schiller and Naumann (1935), which the paper (`docs/paper.md`) uses.
     SchillerNaumann(SchillerNaumann),
     /// Stokes drag of creeping flow, whose solution is known in closed form.
     Stokes(Stokes),

@@ -1,4 +1,5 @@
-//! Drag of a sphere at finite Reynolds number, by the correlation that the paper uses.
+//! Drag of a sphere at finite Reynolds number, by the correlation that the paper (`docs/paper.md`) uses. The Reynolds
+//! number is Re = w d/ν, with the slip speed w, the diameter d and the kinematic viscosity ν.
 
 use super::{DragLaw, Sphere};
 

@@ -2,8 +2,8 @@
 
 use super::{DragLaw, Sphere};
 
-/// Stokes drag, with the drag coefficient C_D = 24/Re. Its response time τ does not depend on the slip speed. The law
-/// is valid for Re << 1. In this program it is an analytic reference.
+/// Stokes drag, with the drag coefficient C_D = 24/Re. Its response time τ does not depend on the slip speed, the speed
+/// relative to the gas. The law is valid for Re << 1. In this program it is an analytic reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stokes;
 

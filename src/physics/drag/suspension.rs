@@ -12,8 +12,8 @@ use super::{DragLaw, SchillerNaumann, Sphere, flow};
 /// [-] largest volume fraction at which a drag law is evaluated: that of the densest packing of equal spheres, π/√18.
 /// The fraction computed in a small cell can be larger; it is then replaced by this value.
 const DENSEST: f64 = 0.740_480_489_693_061_1;
-/// [-] time step in the integration of a kick, divided by the response time. The Runge-Kutta method of fourth order
-/// then has a relative error of at most 0.02⁴/120 = 1.3e-9.
+/// [-] time step in the integration of a kick (change of the velocities by drag in a given time), divided by the
+/// response time. The Runge-Kutta method of fourth order then has a relative error of at most 0.02⁴/120 = 1.3e-9.
 const STEP: f64 = 0.02;
 /// Largest number of Runge-Kutta steps in a kick. Longer kicks are integrated with adaptive steps instead.
 const MOST_STEPS: f64 = 10.0;

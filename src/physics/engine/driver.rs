@@ -83,8 +83,8 @@ pub trait Solver: Send {
     /// Returns the solver of single islands (groups of particles that may meet), which is a component of this solver.
     fn islands(&self) -> &Self::Islands;
 
-    /// Makes the state that is carried from one window to the next, at the start of a run. For soft spheres these are
-    /// the contacts of particles that overlap at the start. The default makes no state.
+    /// Makes the state that is carried from one window to the next, at the start of a run. For soft spheres this state
+    /// consists of the contacts of particles that overlap at the start. The default makes no state.
     fn begin(&mut self, _work: &mut Work<Lasting<Self>>, _window: Window) {}
 
     /// Largest cost at which islands (groups of particles that may meet) are used in this time window, per particle and
@@ -189,7 +189,8 @@ impl<S: DistributedSolver> Driver<S> {
         }
     }
 
-    /// Makes the carried state (such as contacts) in the first time window, in the lead process.
+    /// Makes the carried state (such as contacts) in the first time window. If several processes share the run, only
+    /// the lead process (number 0) does so.
     fn begin(&mut self, work: &mut Work<Lasting<S>>, window: Window) {
         if !std::mem::replace(&mut self.begun, true) && self.islands.processes.is_lead() {
             self.solver.begin(work, window);

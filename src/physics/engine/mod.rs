@@ -242,7 +242,7 @@ pub enum Failure {
         /// [-] largest stable ω_0 Δt for the restitution of that contact; `None` if no step is stable.
         limit: Option<f64>,
     },
-    /// A contact law of the calling program violates a contract on which engines rely.
+    /// A contact law of the calling program violates a contract, a requirement on which engines rely.
     #[error("at t = 0 s the contact law cannot be used ({law}): {broken}")]
     BrokenContract {
         /// Name of the contact law that cannot be used.
@@ -343,7 +343,7 @@ pub enum Failure {
         /// Coordinate z [m] of the particle.
         z: f64,
     },
-    /// The flow of a gas that feels the particles has no finite solution.
+    /// The flow of a gas that the particles change (two-way coupling) has no finite solution.
     #[error("at t = {time} s the flow of the gas broke down ({why}): use a shorter `run.window`, or a larger pressure gradient", time = nine(time))]
     Gas {
         /// Time [s] of the failure.

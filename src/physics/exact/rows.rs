@@ -1,6 +1,6 @@
 //! Exact sums of many numbers at a time.
 //!
-//! This is the "error-free vector transformation" of S. M. Rump, T. Ogita and S. Oishi, "Accurate floating-point
+//! The method is the "error-free vector transformation" of S. M. Rump, T. Ogita and S. Oishi, "Accurate floating-point
 //! summation part I", SIAM J. Sci. Comput. 31, 189 (2008), algorithm 3.2. Adding a large number σ to a number and
 //! subtracting σ again cuts off the lower bits of the number. The remaining leading bits of all numbers of a block are
 //! multiples of one power of two, so their floating-point sum is exact. A second, smaller σ yields the next bits. Then
@@ -402,8 +402,8 @@ impl<const K: usize> Groups<K> {
     }
 }
 
-/// Computes exact sums of rows in groups, on all threads. For each index from 0 to `count - 1`, `of` returns the number
-/// of a group and a row to be added to that group.
+/// Computes exact sums of rows in groups, on all threads. There are `groups` groups. For each index below `count`, `of`
+/// returns the number of a group and a row to be added to that group.
 pub fn sums_in_groups<const K: usize>(
     groups: usize,
     count: usize,

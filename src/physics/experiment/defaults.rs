@@ -9,7 +9,7 @@ use crate::particles::Particles;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// [-] default number of steps per contact N_c (the paper's section 3.4 gives 15 to 50).
+/// [-] default number of steps per contact N_c (section 3.4 of the paper, see `docs/paper.md`, gives 15 to 50).
 const STEPS_PER_CONTACT: f64 = 20.0;
 
 impl Experiment {
@@ -79,8 +79,8 @@ impl RunSettings {
 }
 
 impl Default for SoftSettings {
-    /// Settings without a contact law: velocity Verlet with 20 steps per contact, uniform or local stepping by their
-    /// cost.
+    /// Settings without a contact law: velocity Verlet with 20 steps per contact, and uniform or local stepping,
+    /// whichever costs less.
     fn default() -> Self {
         Self {
             law: None,
@@ -115,7 +115,7 @@ impl Default for DsmcSettings {
 }
 
 impl Default for StatisticsSettings {
-    /// Settings with 40 slices, and a time between samples that is chosen from the scene.
+    /// Settings with 40 slices, and a time between samples (instants of measurement) that is chosen from the scene.
     fn default() -> Self {
         Self { slices: 40, sample_interval: None }
     }

@@ -25,7 +25,7 @@ pub(super) const SIGMA_EPSILON: f64 = 1.3;
 
 /// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: lower end of Dean's data (1978).
 const TURBULENT: f64 = 6000.0;
-/// [-] relative accuracy of the bulk velocity; the studies state an accuracy of 1e-4.
+/// [-] relative accuracy with which the required bulk velocity is reached, far below the 1e-4 that reports state.
 const BULK_TOLERANCE: f64 = 1e-10;
 /// [-] largest relative change of k and ε in a sweep (one update of both in all cells), below which the iteration ends.
 const SWEEP_TOLERANCE: f64 = 1e-11;
@@ -51,9 +51,9 @@ pub enum Section {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceModel {
-    /// Standard k-ε model with equilibrium wall functions (Launder and Spalding 1974), which the paper uses. The first
-    /// node lies in the logarithmic layer, and the law of the wall replaces the equations below it. The model requires
-    /// Re >= 10 000.
+    /// Standard k-ε model with equilibrium wall functions (Launder and Spalding 1974), which the paper
+    /// (`docs/paper.md`) uses. The first node lies in the logarithmic layer, and the law of the wall replaces the
+    /// equations below it. The model requires Re >= 10 000.
     WallFunctions,
     /// Low-Reynolds-number k-ε model (Launder and Sharma 1974), resolved down to the wall. The model requires Re >=
     /// 6000.

@@ -1,6 +1,7 @@
 //! Low-Reynolds-number k-epsilon model (Launder and Sharma 1974), whose grid resolves the flow down to the wall. Its
 //! equations are those of the turbulent kinetic energy k and of ε̃, a dissipation rate that is reduced so that it
-//! vanishes at the wall.
+//! vanishes at the wall. In wall units lengths are in units of ν/u_τ and velocities in units of the friction velocity
+//! u_τ.
 
 use super::half_channel::{Equation, HalfChannel, SweepStep, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};

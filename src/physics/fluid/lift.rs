@@ -1,8 +1,9 @@
 //! Lift and torque of the gas on a sphere. Lift is a force perpendicular to the slip velocity of the sphere, by shear
 //! of the gas or by spin.
 //!
-//! The slip velocity s is the velocity of the gas relative to the sphere. During a kick the gas and the spin are taken
-//! as constant, so that s turns about a fixed axis without a change of length. This solution is exact.
+//! The slip velocity s is the velocity of the gas relative to the sphere. During a kick (change of the velocities by
+//! lift in a given time) the gas and the spin are taken as constant. Then s turns about a fixed axis without a change
+//! of length. This solution is exact.
 
 use nalgebra::{Rotation3, Vector3};
 use serde::Serialize;
@@ -73,9 +74,9 @@ impl LiftedSphere {
         PI / 8.0 * self.gas_density * self.diameter.powi(3) * coefficient / self.mass
     }
 
-    /// [-] factor k of the acceleration k Ω × s of the sphere by its spin. Here s is the slip velocity, and Ω = ω/2 -
-    /// ω_p is the angular velocity of the gas relative to the sphere. `slip` [m/s] > 0 and `turn` [rad/s] > 0 are their
-    /// magnitudes.
+    /// [-] factor k of the acceleration k Ω × s of the sphere by its spin. Here s is the slip velocity. Ω = ω/2 - ω_p
+    /// is the angular velocity of the gas relative to the sphere, with the vorticity ω of the gas and the spin ω_p.
+    /// `slip` [m/s] > 0 and `turn` [rad/s] > 0 are their magnitudes.
     fn magnus(&self, slip: f64, turn: f64) -> f64 {
         let (re, re_turn) = (self.reynolds(slip), self.reynolds_of_turn(turn));
         let coefficient = 0.45 + (re_turn / re - 0.45) * (-0.05684 * re_turn.powf(0.4) * re.powf(0.3)).exp();

@@ -1,5 +1,6 @@
 //! Gas flow in a channel or a pipe, changed by the particles in it (two-way coupling in one dimension).
-//! `docs/design/coupling.md` gives the equations and the reasons.
+//! `docs/design/coupling.md` gives the equations and the reasons. k [m²/s²] is the turbulent kinetic energy, ε [m²/s³]
+//! its dissipation rate. Wall units are powers of ν and of the friction velocity u_τ of the gas alone.
 
 use super::half_channel::{HalfChannel, SweepStep};
 use super::k_epsilon::{ChannelFlow, TurbulenceModel};
@@ -7,11 +8,11 @@ use super::turbulence::Langevin;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// [-] factor C_ε3 of the damping of k by particles in the equation of ε: Elghobashi and Abou-Arab 1983, Phys. Fluids
-/// 26, 931, and Simonin (1996).
+/// [-] factor C_ε3: particles damp ε at C_ε3 ε/k times the rate at which they damp k; Elghobashi and Abou-Arab 1983,
+/// Phys. Fluids 26, 931, and Simonin (1996).
 const C_EPSILON_3: f64 = 1.2;
 /// [u_τ²] and [u_τ⁴/ν] smallest allowed k and ε, far below any value of a turbulent flow. They keep k/ε finite where
-/// particles have damped the turbulence. The unit u_τ is that of the gas alone.
+/// particles have damped the turbulence. Here u_τ is the friction velocity of the gas alone.
 const LEAST: f64 = 1e-12;
 
 /// Settings of the two-way coupling, in which gas and particles change each other's momentum.
@@ -55,7 +56,7 @@ pub enum Modulation {
     Crowe,
 }
 
-/// Sums over the particles of one slice in a kick of drag.
+/// Sums over the particles of one slice in a kick (change of the velocities by drag).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SliceSums {
     /// [kg m/s] momentum along z that the gas has given to the particles.
@@ -107,7 +108,8 @@ pub struct LoadedFlow {
     /// [m/s] bulk velocity of the gas alone, divided by its flow rate on the grid. The bulk velocity also includes the
     /// flow between the wall and the first node, by the law of the wall.
     bulk_per_flow: f64,
-    /// Pressure gradient in the latest step, in wall units; that of the gas alone is 1/h⁺.
+    /// Pressure gradient in the latest step, in wall units; for the gas alone in a channel it is one over the half
+    /// width.
     pressure_gradient: f64,
     /// [kg m/s] momentum along z that lift has given to the particles of each slice since the latest step. The gas
     /// loses it in the next step.
@@ -477,8 +479,9 @@ impl LoadedFlow {
     }
 }
 
-/// Solves inertia u = right + inflow for the velocity u of each cell (Thomas' algorithm). The inflow is the flux
-/// through face i minus that through face i + 1. The flux is conductance[i] (u[i - 1] - u[i]), with u = 0 at the wall.
+/// Solves inertia[i] u[i] = right[i] + inflow for the velocity u[i] of each cell i (Thomas' algorithm). The inflow is
+/// the flux through face i minus that through face i + 1. The flux is conductance[i] (u[i - 1] - u[i]); face 0 is at
+/// the wall, where u = 0.
 fn diffused(inertia: &[f64], conductance: &[f64], right: &[f64]) -> Vec<f64> {
     let count = inertia.len();
     let (mut upper, mut u) = (vec![0.0; count], vec![0.0; count]);

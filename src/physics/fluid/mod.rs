@@ -2,7 +2,7 @@
 //!
 //! Without a [`Coupling`] in the scene the gas is frozen, which means that the particles do not change it. The mean
 //! velocity of the gas is streamwise (along z). In a channel the velocity depends only on the wall-normal distance y
-//! (the paper's section 2.1), in a pipe on the distance from the axis.
+//! (section 2.1 of the paper, see `docs/paper.md`), in a pipe on the distance from the axis.
 //!
 //! To add a profile, write one file with a function that returns a [`Profile`], and add a match arm in the code that
 //! converts a case to a scene.

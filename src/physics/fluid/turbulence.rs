@@ -1,5 +1,6 @@
 //! Turbulence that particles see: local statistics of the gas, and a Langevin equation for the gas velocity along the
-//! path of a particle. `docs/design/turbulence.md` gives the reasons.
+//! path of a particle. `docs/design/turbulence.md` gives the reasons. k [m²/s²] is the turbulent kinetic energy, ε
+//! [m²/s³] its dissipation rate. The slip is the velocity of a particle relative to the gas.
 
 use super::k_epsilon::ChannelFlow;
 use super::profile::Profile;
@@ -38,9 +39,9 @@ pub enum EddyLaw {
     #[default]
     Langevin,
     /// Discrete random walk (Gosman and Ioannides 1983, J. Energy 7, 482): the fluctuation **u** [m/s], which the store
-    /// holds, is constant until the eddy ends. Eddies have random lifetimes with the mean T along the slip, as in
-    /// [`Langevin::times`]. A new **u** has the standard deviation σ at the particle. There is no drift, so light
-    /// particles gather where the turbulence is weak.
+    /// holds, is constant until the eddy ends. Eddies have random lifetimes. Their mean is the integral time along the
+    /// slip ([`Langevin::times`]). A new **u** has the standard deviation σ at the particle. This law has no drift
+    /// term, so light particles gather where the turbulence is weak.
     Eddy,
 }
 
@@ -252,7 +253,8 @@ struct Relaxation {
     kept: f64,
     /// [-] standard deviation of the fluctuation at the end about its mean.
     drawn: f64,
-    /// [-] expected mean of the fluctuation over the time h, over the sum of its two given end values: tanh(x/2)/x.
+    /// [-] factor of the sum of the two end values in the expected mean of the fluctuation over the time h, for given
+    /// end values: tanh(x/2)/x.
     ends: f64,
     /// [-] standard deviation of the mean over the time h for given end values: sqrt(2 (x - 2 tanh(x/2)))/x.
     between: f64,
@@ -274,9 +276,9 @@ impl Relaxation {
     }
 }
 
-/// [-] weight of the gas velocity at the end of a kick in the mean gas velocity to which a particle responds. It is
-/// coth(r/2) - 2/r with r = h/τ, for a kick of length h and the response time τ. It is 0 for long response times and 1
-/// for short ones.
+/// [-] weight of the gas velocity at the end of a kick (change of velocities by drag) in the mean gas velocity to which
+/// a particle responds. It is coth(r/2) - 2/r with r = h/τ, for a kick of length h and the response time τ. It is 0 for
+/// long response times and 1 for short ones.
 #[inline]
 fn lateness(ratio: f64) -> f64 {
     // first term of the series; the next term is at most 6e-12
@@ -309,8 +311,8 @@ impl Langevin {
     }
 
     /// Advances the fluctuation that a particle sees at its position by `duration` [s], exactly. Returns the
-    /// fluctuation at the end, and the mean that the particle responds to, both over σ [-]. `noise` [-] contains
-    /// independent Gaussian numbers.
+    /// fluctuation at the end, and the weighted mean over this time to which the particle responds, both over σ [-].
+    /// `noise` [-] contains independent Gaussian numbers.
     ///
     /// The effect of an eddy on a particle decays with the response time τ of the particle: the weight of the time t
     /// before the end is exp(-t/τ). This weight is replaced by the sum of a constant weight and a weight at the end,
@@ -350,9 +352,9 @@ impl Langevin {
 
 impl Langevin {
     /// Advances the fluctuation **u** [m/s] of a discrete random walk by `duration` [s], exactly. Returns **u** at the
-    /// end, and the mean that the particle responds to. `seen.fluctuation` is **u** here. The lifetimes of eddies have
-    /// an exponential distribution, so that they may begin anew with each call. The fluctuation then has the
-    /// correlation exp(-t/T) of the Langevin equation.
+    /// end, and the weighted mean of **u** to which the particle responds. `seen.fluctuation` is **u** here. The
+    /// lifetimes of eddies have an exponential distribution, so a new lifetime may be drawn at each call. The
+    /// fluctuation then has the correlation exp(-t/T) of the Langevin equation.
     pub fn walk(
         &self,
         seen: &EddySeen,
@@ -408,8 +410,8 @@ mod tests {
         }
     }
 
-    /// Two steps of half the length equal one whole step: the means of the end agree, with drift. For an infinite
-    /// response time, the mean over the whole step is that of both halves.
+    /// Tests that two steps of half the length equal one whole step. The expected values at the end agree, also with
+    /// drift. For an infinite response time, the mean over the whole step is the average of the means over both halves.
     #[test]
     fn two_half_steps_are_a_whole_step() {
         let langevin = Langevin { time_scale_ratio: 0.0, ..Langevin::default() };

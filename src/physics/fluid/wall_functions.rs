@@ -1,4 +1,6 @@
-//! Standard k-epsilon model with equilibrium wall functions (Launder and Spalding 1974).
+//! Standard k-epsilon model with equilibrium wall functions (Launder and Spalding 1974). In wall units lengths are in
+//! units of ν/u_τ and velocities in units of the friction velocity u_τ. U+ and y+ are the velocity and the distance
+//! from the wall in these units.
 
 use super::half_channel::{Equation, HalfChannel, SweepStep, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};

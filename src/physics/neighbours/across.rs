@@ -10,8 +10,8 @@ use crate::scene::Scene;
 
 impl NeighbourList {
     /// [m/s] speed at which the mean flow of a sheared box may move each of two listed particles towards the other. It
-    /// is half the shear rate times the largest distance between the centres of a listed pair. Add it to the largest
-    /// speed relative to the frame of the list. 0 without shear.
+    /// is half the shear rate times the largest distance between the centres of a listed pair. The caller adds this
+    /// speed to the largest speed relative to the frame of the list. 0 without shear.
     pub fn strain(&self, particles: &Particles, domain: &Domain) -> f64 {
         if domain.shear.is_none() {
             return 0.0;

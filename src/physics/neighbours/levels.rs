@@ -243,7 +243,7 @@ impl SizeLevels {
         }
     }
 
-    /// Removes the list of indices that [`order`](Self::order) returns, and returns it. The grids of cells remain.
+    /// Removes and returns the list of indices that [`order`](Self::order) gives. The grids of cells remain.
     pub fn take_order(&mut self) -> Vec<u32> {
         self.levels.iter_mut().for_each(|level| level.grid.shed());
         match self.levels.as_mut_slice() {
@@ -252,8 +252,8 @@ impl SizeLevels {
         }
     }
 
-    /// Part of the list of all items that is sorted level by level and, within a level, cell by cell: the indices of the
-    /// items at the positions `range`. The range must lie within one level.
+    /// Part of the list of all items that is sorted level by level and, within a level, cell by cell: the indices of
+    /// the items at the positions `range`. The range must lie within one level.
     #[inline]
     pub fn indices(&self, range: Range<usize>) -> &[u32] {
         let of = |level: &SizeLevel| level.first <= range.start && range.start < level.first + level.order.len();

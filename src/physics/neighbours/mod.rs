@@ -190,7 +190,7 @@ impl NeighbourList {
     }
 
     /// Builds the list for the present positions, with settings that are the same in all processes of a run. If the
-    /// cells cover the whole box, the pairs of this process have the order of a list of all particles.
+    /// cells cover the whole box, the pairs of this process are in the same order as in a list of all particles.
     pub fn build_by(
         &mut self,
         region: &Region,
@@ -231,7 +231,7 @@ impl NeighbourList {
     }
 
     /// Builds the list again from the positions at which it was last built. The stored distance that particles have
-    /// moved since then does not change.
+    /// moved since then does not change. Returns the previous index of each particle.
     pub fn build_again(&mut self, particles: &mut Particles, scene: &Scene) -> Vec<u32> {
         let (travelled, builds) = (self.travelled, self.builds);
         let plan =

@@ -44,9 +44,9 @@ const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
 /// Largest number of indices of balls that are collected before they are passed to the caller.
 const ROOM: usize = 64;
 
-/// Collects the indices of balls that may overlap another ball, without branches. Four indices are stored at a time,
-/// and the count increases by the number of balls that may overlap. This costs less than a branch that the processor
-/// often predicts wrongly.
+/// Collects the indices of balls that may overlap another ball, without branches (conditional jumps of the program).
+/// Four indices are stored at a time, and the count increases by the number of balls that may overlap. This costs less
+/// than a branch that the processor often predicts wrongly.
 struct Picked {
     indices: [u32; ROOM],
     count: usize,

@@ -1,8 +1,9 @@
-//! Selection of items without branches, for tests that every candidate pair passes through.
+//! Selection of items without branches (conditional jumps of the program), for tests that every candidate pair passes
+//! through.
 
-/// Selects items in their order, without branches. Each item is stored, but the count increases only for wanted items,
-/// so that the next item overwrites an unwanted one. This costs less than a branch that the processor often predicts
-/// wrongly.
+/// Selects items in their order, without branches. Each item is stored, but the count increases only for items to be
+/// selected, so that the next item overwrites any other. This costs less than a branch that the processor often
+/// predicts wrongly.
 pub(super) struct Sieve<T> {
     held: [T; 64],
     count: usize,

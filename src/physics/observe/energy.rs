@@ -1,5 +1,5 @@
 //! Energy balance of a run: the change of energy minus the work and the losses in the ledger. The ledger (`Ledger`)
-//! contains the sums of all work and losses since the start.
+//! contains the sums of all work and losses since the start. A sample is an instant at which measurements are taken.
 
 use super::{Needs, Observer, plain_data};
 use crate::simulation::Simulation;

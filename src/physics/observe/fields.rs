@@ -33,8 +33,8 @@ const MOST_SAMPLES: u64 = 400;
 const BLOCKS: f64 = 20.0;
 /// [-] distance beyond which the Gaussian weight of a particle counts as zero, in widths of the Gaussian.
 const REACH: f64 = 4.0;
-/// [-] largest distance between two points along a contact at which the Gaussian is evaluated, in widths of the
-/// Gaussian. The relative error of the midpoint rule is then a hundredth.
+/// [-] largest distance between neighbouring points along a contact at which the Gaussian is evaluated, in widths of
+/// the Gaussian. The relative error of the midpoint rule is then a hundredth.
 const STEP: f64 = 0.5;
 /// Number of sums of a cell of the grid: mass, three of momentum, six of products of velocities, and six of products of
 /// distance and force in contacts.

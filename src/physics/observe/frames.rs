@@ -75,7 +75,8 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Creates an observer of one run. `variants` is the number of runs that are shown together on a page.
+    /// Creates an observer of one run. `variants` is the number of runs, one per variant of the case, that are shown
+    /// together on a page.
     pub fn new(experiment: &Experiment, variants: usize) -> Self {
         let room = BUDGET / variants.max(1);
         let particles = MOST_PARTICLES.min(room / FRAMES.start()).min(experiment.count().max(1)).max(1);

@@ -207,8 +207,8 @@ fn folded(place: i64, count: usize, is_periodic: bool) -> usize {
     place.min(2 * count - 1 - place) as usize
 }
 
-/// Number of shells of wave numbers, in units of the inverse of the longer edge [m] of the surface. The shortest wave
-/// has a length of two columns.
+/// Largest number n of a shell, the waves of wavelength L/n, with the longer of the two `edges` L [m]. The shortest
+/// wave has a length of two columns.
 fn shells(edges: [f64; 2], columns: [usize; 2]) -> usize {
     let spacing = (edges[0] / columns[0] as f64).max(edges[1] / columns[1] as f64);
     // a part of 1e-9 is added, since the quotient of equal numbers is rounded

@@ -20,8 +20,8 @@ const SUMS: usize = 32;
 /// Largest number of layers along y. With 64 layers, the measured share of the particles that stay in their layer has
 /// an error of 0.02.
 const LAYERS: f64 = 64.0;
-/// Smallest number of layers along y for which mixing is measured. With fewer layers, too many particles are in the
-/// same layer twice by chance.
+/// Smallest number of layers along y for which mixing is measured. With fewer layers, too many particles are in one
+/// layer at both instants by chance.
 const FEWEST_LAYERS: f64 = 4.0;
 /// Number of equal intervals of the run. The sums over the layers are stored at the ends of these intervals. The sums
 /// at one of these instants are compared with those at the end of the run.

@@ -96,7 +96,7 @@ pub enum Needs {
     Nothing,
     /// Sums over all particles, computed with [`Simulation::sample`], and records that are documented as sums. At a
     /// sample (instant of measurement), every process calls its copy of the observer with its own particles. Only the
-    /// simulation of the lead process has the records of the whole run.
+    /// simulation of the lead process (process 0) has the records of the whole run.
     Sums,
     /// If several processes share the run, the particles of each process, for the copy of the observer in that process.
     /// Otherwise all particles. Unlike with `Sums`, the observer may be called at any time, and the records are not

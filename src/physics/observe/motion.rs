@@ -47,9 +47,10 @@ pub struct Motion {
 pub struct Followed {
     /// Value at every sample.
     pub values: Vec<f64>,
-    /// Scale of the quantity, in its unit, as in [`SteadySeries`].
+    /// Scale of the quantity, in its unit. Regular changes below a thousandth of the scale do not count as a drift.
     pub scale: f64,
-    /// Largest change over time that does not count as a drift, in the unit of the quantity, as in [`SteadySeries`].
+    /// Largest difference between the means of the two halves of a run that does not count as a drift, in the unit of
+    /// the quantity (see [`SteadySeries`]).
     pub step: f64,
 }
 

@@ -1,4 +1,5 @@
-//! Averages over the particles in rings about the axis of a pipe with gas flow.
+//! Averages over the particles in rings about the axis of a pipe with gas flow. A sample is an instant at which
+//! measurements are taken.
 
 use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;

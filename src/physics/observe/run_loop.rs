@@ -186,8 +186,8 @@ fn see_parts(simulation: &mut Simulation, observers: &[&mut dyn Observer], indic
     simulation.see_parts(indices, |index| observers[index].stored().unwrap_or_default());
 }
 
-/// Gathers, in the lead process, the particles that observers require. `needs` holds the particles that each of them
-/// requires.
+/// Gathers, in the lead process (process 0), the particles that observers require. `needs` holds the particles that
+/// each of them requires.
 fn gather(simulation: &mut Simulation, needs: impl Iterator<Item = Needs>) {
     let asked = needs.filter_map(|need| match need {
         Needs::Nothing => None,

@@ -63,7 +63,7 @@ impl<T> From<[T; 5]> for Terms<T> {
     }
 }
 
-/// Budgets of the four second moments of a run, each in the order of [`MOMENTS`].
+/// Budgets of the four second moments of a run. Arrays of four are in the order of [`MOMENTS`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Budgets {
     /// Centre y [m] of each slice, and the terms of the budgets of the four moments in this slice.
@@ -176,8 +176,8 @@ impl MomentSums {
     }
 
     /// Change of the moment <v_i″ v_j″> with the index `moment` by one process, per particle. `products` is the sum
-    /// over the particles of the changes of v_i v_j by this process, `single` that of the changes of v. The part that
-    /// comes from a change of the mean velocity is subtracted.
+    /// over the particles of the changes of v_i v_j by this process, and `single` that of the changes of the velocity
+    /// vector. The part that comes from a change of the mean velocity is subtracted.
     fn about(&self, moment: usize, products: f64, single: &Vector3<f64>) -> f64 {
         let (_, i, j) = MOMENTS[moment];
         let mean = self.mean();

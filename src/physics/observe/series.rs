@@ -1,4 +1,4 @@
-//! Time series of averages over all particles of a run.
+//! Time series of averages over all particles of a run. A sample is an instant at which measurements are taken.
 
 use super::velocity_distribution::Sonine;
 use super::{Needs, Observer, plain_data};

@@ -11,7 +11,7 @@
 //!
 //! Velocities c are relative to the mean velocity, in a sheared box to the mean flow. The thermal energy k_B T is the
 //! kinetic energy per degree of freedom, times two. Impulses are summed exactly; the kinetic part is integrated by the
-//! trapezoidal rule over the samples.
+//! trapezoidal rule over the samples, the instants of measurement.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::{Needs, Observer, plain_data};

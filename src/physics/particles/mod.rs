@@ -22,7 +22,7 @@ use values::{AsBytes, AsNumbers};
 pub const CHUNK: usize = 8192;
 
 columns! {
-    /// Moving state of one particle: the quantities that a step, a collision or another process may change.
+    /// Moving state of one particle: the quantities that steps, collisions and other events change.
     pub struct Motion;
 
     /// Mutable access to the moving state of consecutive particles of a store: one slice per quantity, such as position

@@ -35,8 +35,8 @@ impl<'a> Sample<'a> {
         self.communicator.is_some()
     }
 
-    /// Returns a sample of other particles. Each process passes those that it has computed from its own particles of
-    /// this sample, such as copies with other velocities.
+    /// Returns a sample of other particles. Each process passes the particles that it has computed from its own
+    /// particles of this sample, such as copies with other velocities.
     pub fn with<'b>(&self, particles: &'b Particles) -> Sample<'b>
     where
         'a: 'b,
@@ -59,8 +59,8 @@ impl<'a> Sample<'a> {
         exact::values(&sums)
     }
 
-    /// Sums of K values over all particles in all processes, per group. For the particle at an index in this process,
-    /// `of` returns the number of its group and its values.
+    /// Sums of K values over all particles in all processes, for each of `groups` groups. For the particle at an index
+    /// in this process, `of` returns the number of its group and its values.
     pub fn sums_in_groups<const K: usize>(
         &self,
         groups: usize,

@@ -8,9 +8,9 @@ use crate::communicator::Communicator;
 /// is small enough for the memory of one process, and large enough that few messages are sent.
 const SLICE: usize = 1 << 17;
 
-/// Calls `visit` with slices of the particles of all processes, in the order of ids. Only the lead process calls
-/// `visit`. All processes must call this function, each with its own particles, whose ids together are 0 to N - 1.
-/// Without a communicator `particles` contains all particles.
+/// Calls `visit` with slices of the particles of all processes, in the order of ids. Only the lead process (number 0)
+/// calls `visit`. All processes must call this function, each with its own particles. With a communicator, their ids
+/// together must be all numbers below their total number. Without a communicator `particles` contains all particles.
 pub fn for_each_slice(
     particles: &Particles,
     communicator: Option<&dyn Communicator>,

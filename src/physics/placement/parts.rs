@@ -126,7 +126,7 @@ fn keep(particles: &mut Particles, stays: impl Fn(&Particles, usize) -> bool) {
 }
 
 /// Returns copies of the particles at the indices `places` of all processes, in the order of their ids. A particle that
-/// several processes have occurs once. All processes must call this function.
+/// is stored by several processes occurs once in the result. All processes must call this function.
 fn gathered(particles: &Particles, places: &[u32], communicator: &dyn Communicator) -> Particles {
     let mut bytes = Vec::new();
     particles.pack(places, &mut bytes);

@@ -181,8 +181,9 @@ impl FreeRoom {
     }
 
     /// [m³] volume that walls leave free in the box in which random positions are chosen. It is measured with points
-    /// that fill the box evenly. Their coordinates are an additive recurrence with the inverse powers of 1.2207..., the
-    /// root of x⁴ = x + 1 (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+    /// that fill the box evenly. Coordinate k (1 to 3) of point n, divided by the edge, is the fractional part of 1/2 +
+    /// n/ρ^k. Here ρ = 1.2207... is the root of ρ⁴ = ρ + 1 (Roberts 2018, "The unreasonable effectiveness of
+    /// quasirandom sequences").
     pub fn volume(&self) -> f64 {
         *self.volume.get_or_init(|| self.measured_volume())
     }

@@ -25,8 +25,8 @@ pub struct Cooling {
     square: f64,
 }
 
-/// True if only gravity and collisions change the velocities of particles, no particle comes in or leaves, and planes
-/// are smooth. Otherwise the closed forms of this module do not hold.
+/// True if only gravity and collisions change the velocities of particles, no particle comes in or leaves, and no wall
+/// is rough. Otherwise the closed forms of this module do not hold.
 fn is_undriven(scene: &Scene) -> bool {
     let driven = scene.is_kicked() || scene.is_heated() || scene.domain.shear.is_some();
     !(driven || scene.has_openings() || scene.has_rough_walls())
@@ -41,8 +41,8 @@ fn contact_time(experiment: &Experiment) -> Option<f64> {
 impl Cooling {
     /// Makes a cooling gas of `count` particles that start with the granular temperature `temperature` [m²/s²]. `None`
     /// unless the scene is a periodic box of many equal spheres with constant restitution below 1. Friction, rotation,
-    /// drag, heating, shear, inlets, outlets, walls and the TC model also give `None`. `dsmc` without Enskog's factor has
-    /// the rate without the contact value.
+    /// drag, heating, shear, inlets, outlets, walls and the TC model also give `None`. For `dsmc` without the Enskog
+    /// factor, the collision rate is that of a dilute gas.
     pub fn of(experiment: &Experiment, count: usize, temperature: f64) -> Option<Self> {
         let scene = &experiment.scene;
         let [species] = scene.species.as_slice() else { return None };
@@ -86,8 +86,9 @@ impl Cooling {
     }
 }
 
-/// [m/s] settling velocity of a single sphere: the gas velocity plus the slip velocity at which drag balances the
-/// weight. `None` without gravity or drag, for a gas velocity that depends on the position, or for several species.
+/// [m/s] settling velocity of a single sphere: the gas velocity plus the slip velocity (relative to the gas) at which
+/// drag balances the weight. `None` without gravity or drag, for a gas velocity that depends on the position, or for
+/// several species.
 pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
     let fluid = scene.fluid.as_ref()?;
     let (drag, [species], Profile::Uniform(gas)) = (fluid.drag.as_ref()?, scene.species.as_slice(), &fluid.profile)
@@ -123,10 +124,11 @@ pub struct Bouncing {
 }
 
 impl Bouncing {
-    /// Computes the bounces of a sphere from a position [m] and a velocity [m/s] for the duration of the run. It ends
-    /// before a flight shorter than `SHORTEST`, or than the contact time of the TC model, which makes the next bounce
-    /// elastic. `None` without gravity, with drag, heating, inlets, outlets, several species or sizes, or if a wall is
-    /// not a smooth plane at rest and perpendicular to gravity.
+    /// Computes the bounces of a sphere from a position [m] and a velocity [m/s] for the duration of the run. The list
+    /// of flights ends before a flight shorter than 1e-5 of the run. It also ends before a flight shorter than the
+    /// contact time of the TC model, in which the next bounce is elastic. `None` without gravity, with drag, heating,
+    /// inlets, outlets, several species or sizes, or if a wall is not a smooth plane at rest and perpendicular to
+    /// gravity.
     pub fn of(experiment: &Experiment, [position, velocity]: [Vector3<f64>; 2]) -> Option<Self> {
         /// [-] duration of the shortest flight that is computed, over that of the run. Shorter flights could not be
         /// distinguished in a picture.

@@ -1,4 +1,5 @@
-//! Duration of contacts and largest overlaps, and the longest time steps that they allow.
+//! Duration of contacts and largest overlaps, and the longest time steps that they allow. The paper is that of
+//! `docs/paper.md`.
 
 use super::integrator::{Realised, Scheme, realised_restitution};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
@@ -46,8 +47,8 @@ pub enum ImpactSpeeds {
         /// [m²/s²] mean variance s² of the relative normal velocity. Between species p and q it is the sum T_p + T_q of
         /// their granular temperatures; at a wall it is T_p.
         variance: f64,
-        /// [-] groups of impacts. A group is given by its share of all impacts, and by its s over the root of
-        /// `variance`.
+        /// [-] groups of impacts, each with its own variance s². The two numbers of a group are its share of all
+        /// impacts, and its s over the root of the mean `variance`.
         #[serde(skip)]
         parts: Vec<[f64; 2]>,
     },
@@ -428,8 +429,8 @@ pub fn step_limits(contacts: &[ContactPrediction], springs: Vec<StepLimit>, moti
 mod tests {
     use super::*;
 
-    /// Pair of the paper's small spheres (406 µm, 1038 kg/m³), at the granular temperature T of case D, from u_r = 0.79
-    /// m/s.
+    /// Pair of the paper's small spheres (406 µm, 1038 kg/m³), at the granular temperature T of case D, computed from
+    /// u_r = 0.79 m/s.
     fn pair() -> ContactKind {
         ContactKind {
             name: "S pair".into(),
@@ -447,8 +448,8 @@ mod tests {
         }
     }
 
-    /// Compares predicted overlaps with a Rayleigh distribution, computed independently for three stiffnesses. The
-    /// granular temperature T is given with four digits.
+    /// Compares predicted overlaps with those of a Rayleigh distribution of impact speeds, computed independently for
+    /// three stiffnesses. The granular temperature T is given with four digits.
     #[test]
     fn overlaps_in_a_gas() {
         for (stiffness, mean, most) in

@@ -108,11 +108,12 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 ///
 /// The limit is the sum of these terms:
 ///
-/// * A contact that has ended has returned at most g M u_n²/2 more energy than it received. Contacts in progress have
-///   returned at most g times the present energy, plus their elastic energy.
-/// * The normal of a mesh may jump by Δn under a sphere. The force, at most ω_0 M u_n, then has a wrong direction for
-///   up to one step, and its work is wrong by |Δn| ω_0 M u_n u Δt. With u about u_n this is s M u_n²/2 with s = 2 |Δn|
-///   ω_0 Δt.
+/// * A contact that has ended has returned at most g M u_n²/2 more energy than it received, with the largest gain g
+///   (see below), the effective mass M and the normal speed u_n. Contacts in progress have returned at most g times the
+///   present energy, plus their elastic energy.
+/// * The normal of a mesh may jump by Δn under a sphere. The force, at most ω_0 M u_n with the frequency ω_0 of the
+///   contact, then has a wrong direction for up to one step Δt. At the speed u its work is wrong by |Δn| ω_0 M u_n u
+///   Δt. With u about u_n this is s M u_n²/2 with s = 2 |Δn| ω_0 Δt.
 /// * An overlap is a difference of coordinates. They are rounded at ε L, with the relative rounding error ε and the
 ///   edge L of the box. In each step the work of the force f is wrong by ε L f. Over all steps this gives ε L/Δt times
 ///   the impulse of all contacts, ∫f dt.

@@ -1,4 +1,5 @@
-//! Response of the particles to the gas, and of the gas to the particles.
+//! Response of the particles to the gas, and of the gas to the particles. The slip is the velocity of a particle
+//! relative to the gas.
 
 use crate::drag::{Drag, Sphere};
 use crate::fluid::{ChannelFlow, Fluid, Profile, Section};
@@ -142,8 +143,8 @@ mod tests {
     use crate::drag::SchillerNaumann;
     use crate::fluid::{Pipe, Profile};
 
-    /// Compares terminal slip speed and response time of the paper's spheres at g = 9.81 m/s² with an independent root
-    /// of the drag law. The Stokes numbers use U_b = 15.9075 m/s.
+    /// Compares terminal slip speed and response time of the spheres of the paper (`docs/paper.md`) at g = 9.81 m/s²
+    /// with an independent root of the drag law. The Stokes numbers use U_b = 15.9075 m/s.
     #[test]
     fn spheres_of_the_paper() {
         for (diameter, density, stokes, slip, reynolds, response, number) in [

@@ -79,11 +79,11 @@ pub struct AgitationSpread {
     pub pair_rate: f64,
     /// Rate of wall impacts over that of a uniform gas with the same mean agitation, for walls perpendicular to y.
     pub wall_rate: f64,
-    /// Groups of pair collisions. A group is given by its share of all pair collisions, and by its s over that of the
-    /// uniform gas, with the standard deviation s of the normal relative velocity.
+    /// Groups of pair collisions, each with a standard deviation s of the normal relative velocity. The two numbers of
+    /// a group are its share of all pair collisions, and its s over that of the uniform gas.
     pub pairs: Vec<[f64; 2]>,
-    /// Groups of wall impacts. A group is given by its share of all wall impacts, and by its s over that of the uniform
-    /// gas, with the standard deviation s of the normal relative velocity.
+    /// Groups of wall impacts, each with a standard deviation s of the normal relative velocity. The two numbers of a
+    /// group are its share of all wall impacts, and its s over that of the uniform gas.
     pub walls: Vec<[f64; 2]>,
 }
 
@@ -199,8 +199,8 @@ struct CentreVolume {
 }
 
 impl CentreVolume {
-    /// Computes the volume of the domain without half a diameter at each flat wall perpendicular to an axis. Other
-    /// walls are ignored.
+    /// Computes the volume of the domain minus a layer, half a diameter thick, at each flat wall perpendicular to an
+    /// axis. Other walls are ignored.
     fn of(scene: &Scene, diameter: f64) -> Self {
         let mut size = scene.domain.size;
         let mut area = 0.0;
@@ -305,8 +305,8 @@ mod tests {
         }
     }
 
-    /// Compares the collision rate Γ σ/sqrt(T) by Enskog's theory, with Carnahan and Starling's contact value, with
-    /// values tabulated independently.
+    /// Compares the predicted collision rate, as Γ σ/sqrt(T), with values tabulated independently: Enskog's theory with
+    /// the contact value of Carnahan and Starling.
     #[test]
     fn collision_rates() {
         for (fraction, rate) in
@@ -339,7 +339,7 @@ mod tests {
 
     /// Checks two uneven gases. For motion along one axis only, s = sqrt(3) |cos θ|, so rates are sqrt(3)/2 of those of
     /// the uniform gas, and the mean of s over collisions is <s²>/<s> = 2/sqrt(3). In a gas twice as dense in one half
-    /// as in the other, the rate is (4 + 1)/2 over (3/2)² that of the uniform gas.
+    /// as in the other, the rate is ((4 + 1)/2)/(3/2)² times that of the uniform gas.
     #[test]
     fn uneven_gases() {
         let even = Slice { particles: 0.5, room: 0.5, variance: [2.0; 3] };
@@ -368,8 +368,8 @@ mod tests {
         assert!((mixed.contact_value / pure.contact_value - 1.0).abs() < 1e-12);
     }
 
-    /// Compares the decrease 1 - d_eff/σ in the paper's cases B, D, E, G with values computed independently to two
-    /// digits.
+    /// Compares the decrease 1 - d_eff/σ in the cases B, D, E, G of the paper (`docs/paper.md`) with values computed
+    /// independently to two digits.
     #[test]
     fn soft_spheres_are_smaller() {
         for (mass, t, stiffness, diameter, shrink) in [

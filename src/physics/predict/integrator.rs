@@ -68,8 +68,8 @@ pub struct Realised {
     pub mean_square: f64,
 }
 
-/// [-] reduced time step ω_0 Δt = π/(N_c sqrt(1 - ζ²)), with the damping ratio ζ (the paper's Eqs. 7 and 9). Δt is
-/// 1/N_c of the contact time of a linear spring and dashpot with this restitution.
+/// [-] reduced time step ω_0 Δt = π/(N_c sqrt(1 - ζ²)), with the damping ratio ζ (Eqs. 7 and 9 of the paper, see
+/// `docs/paper.md`). Δt is 1/N_c of the contact time of a linear spring and dashpot with this restitution.
 pub fn reduced_step(restitution: f64, steps_per_contact: f64) -> f64 {
     let ratio = damping_ratio(restitution);
     PI / (steps_per_contact * (1.0 - ratio * ratio).sqrt())
@@ -274,8 +274,8 @@ mod tests {
         realised_restitution(scheme, &LINEAR, (&unit_spring(e), 1.0), steps).expect("the contact ends")
     }
 
-    /// Compares the stability limits with amplification factors of the methods at λ = -ζ ± i sqrt(1-ζ²), computed
-    /// independently to three digits.
+    /// Compares the stability limits with amplification factors of the methods for the eigenvalues λ = -ζ ± i
+    /// sqrt(1-ζ²) of a damped oscillator, computed independently to three digits.
     #[test]
     fn stability_limits() {
         for (method, e, limit) in [
@@ -355,9 +355,9 @@ mod tests {
         assert!((of(ON_GRID_VERLET, 0.1, 10.0).mean - 0.0596).abs() < 0.01);
     }
 
-    /// Compares energies with linear maps computed independently. For e = 1 it is the energy gained per contact with
-    /// Heun's method, at the step ratios of the channel cases. For e < 1 it is the fraction of the dissipation that
-    /// remains.
+    /// Compares energies with linear maps computed independently. For e = 1 the compared number is the energy gained
+    /// per contact with Heun's method, at the steps per contact of the channel cases. For e < 1 it is the energy lost
+    /// over the loss by the exact restitution.
     #[test]
     fn heating() {
         for (steps, gain) in [(7.735, 0.0465), (10.94, 0.0169)] {
@@ -372,9 +372,9 @@ mod tests {
         assert!(heating_per_collision(&of(ON_GRID_VERLET, 1.0, 7.735)).abs() < 5e-4);
     }
 
-    /// Checks the order of the error with exact instants. It is the fourth order of the integrator, and the fifth
-    /// without damping. The reason is that a step reduces the amplitude by the fraction θ⁶/144, and a contact has π/θ
-    /// steps.
+    /// Checks the order of the error with exact instants. The error is of fourth order in the step, as the integrator
+    /// is, and of fifth order without damping. Without damping, a step reduces the amplitude by the fraction θ⁶/144,
+    /// and a contact has π/θ steps.
     #[test]
     fn local_stepping_converges_with_its_order() {
         let miss = |e: f64, steps: f64| (of(LOCAL, e, steps).mean - e).abs();

@@ -1,6 +1,7 @@
 //! Recommendation of an engine, a stiffness and a time step for a case, with reasons.
 //!
-//! The recommendation depends on the scene, not on measured times, so it is the same on every machine.
+//! The recommendation depends on the scene, not on measured times, so it is the same on every machine. Local stepping
+//! moves only particles in contact by time steps, uniform stepping all particles. The paper is that of `docs/paper.md`.
 
 use super::RunPrediction;
 use super::contact::ContactKind;
@@ -24,8 +25,8 @@ const STEPS: [f64; 6] = [15.0, 20.0, 30.0, 50.0, 100.0, 200.0];
 
 /// [-] mean fraction of the time that a particle is in contact, above which local stepping costs more than uniform
 /// stepping. Costs of local over uniform stepping were measured with `diptych plan cases/dense-gas.toml` at lower
-/// stiffnesses (medians of four on a busy machine). They were 0.9 at a fraction of 0.04, 1.0 at 0.06 and 1.6 at 0.12.
-/// At a volume fraction of 0.4 they were 0.7 at 0.02, 0.8 at 0.04 and 5.7 at 0.12.
+/// stiffnesses (medians of four on a busy machine). They were 0.9 at the fraction of time 0.04, 1.0 at 0.06 and 1.6 at
+/// 0.12. With a volume fraction of 0.4 they were 0.7 at the fraction of time 0.02, 0.8 at 0.04 and 5.7 at 0.12.
 const CROWDED: f64 = 0.06;
 
 /// [-] cost per particle of a search for particles that may touch in a window (time between two exchanges with the

@@ -28,8 +28,8 @@ pub struct Rest {
     /// [s] time from the start to the end of all bounces; infinite if no impact loses energy. If the run starts without
     /// particles, it is the time for the first particles that come in.
     pub time: f64,
-    /// [-] restitution, at the impact speed `speed`, of the contact with the smallest energy loss above zero; 0 if no
-    /// impact loses energy.
+    /// [-] largest restitution below 1 of all contacts that may occur, at the impact speed `speed`; 0 if no impact
+    /// loses energy.
     pub restitution: f64,
     /// [N] force between the floor and one particle at rest, if the weight of all particles is divided equally among
     /// the particles on the floor.
@@ -63,12 +63,12 @@ struct Falling {
 
 /// Finds the floor of a scene: the flat wall against which weight and buoyancy press a species most. `None` if there is
 /// no such wall, if the gas lifts the particles, if a wall moves or is thermal, or with a thermostat. `lift` [m/s] is
-/// the component of the gas velocity against gravity, minus the terminal slip speed.
+/// the component of the gas velocity against gravity, minus the terminal slip speed, at which drag balances the weight.
 ///
 /// The time until rest is that of a sphere dropped from the height h. Without drag, its fall and all bounces together
-/// last (1+e)/(1-e) sqrt(2h/g) (a geometric series). If e depends on the speed, the bounces are added one by one. Drag
-/// makes the fall longer, and limits its speed to that of settling; that it also shortens the bounces, and that
-/// neighbours slow a fall down, is neglected. A bed of N spheres needs less time than one sphere.
+/// last (1+e)/(1-e) sqrt(2h/g) with the restitution e (a geometric series). If e depends on the speed, the bounces are
+/// added one by one. Drag makes the fall longer, and limits its speed to that of settling. Two effects are neglected:
+/// drag also shortens the bounces, and neighbours slow down a fall. A bed of N spheres needs less time than one sphere.
 pub fn rest(experiment: &Experiment, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
     let scene = &experiment.scene;
     // walls that move or are thermal, and a thermostat, may throw the particles up again
@@ -182,8 +182,8 @@ impl Sinking {
     /// [s] upper limit of the time of a fall from rest by `height` [m].
     ///
     /// With the settling speed w the acceleration is at least g (1 - v/w) at the speed v, since drag grows at least as
-    /// fast as v. So the fall lasts at most as long as with linear drag, after which the height w (t - τ (1 -
-    /// exp(-t/τ))) is passed in the time t, with τ = w/g.
+    /// fast as v. So the fall lasts at most as long as with linear drag. With linear drag the distance after the time t
+    /// is w (t - τ (1 - exp(-t/τ))), with τ = w/g.
     fn time(&self, height: f64) -> f64 {
         let (free, settling) = ((2.0 * height / self.gravity).sqrt(), self.settling[0]);
         if settling.is_infinite() || height == 0.0 {
@@ -215,7 +215,7 @@ fn times(group: &Falling, sinking: Sinking, surfaces: &[Surface]) -> [f64; 2] {
 }
 
 /// [N] weight of all particles that sink to the floor `plane`, over the number of particles on the floor. Particles
-/// that inlets are expected to bring count.
+/// that inlets are expected to bring are included.
 fn weight_on_floor(experiment: &Experiment, particles: &Particles, plane: &Plane, sinking: &[Option<Sinking>]) -> f64 {
     let scene = &experiment.scene;
     let gravity = |species: usize| sinking[species].map_or(0.0, |sinking| sinking.gravity);
@@ -273,7 +273,7 @@ fn stacked(scene: &Scene, particles: &Particles, up: &Vector3<f64>, x: &Vector3<
 
 impl Rest {
     /// Number of bounces, within `duration` [s], of the sphere that falls farthest. The flight after bounce k lasts 2
-    /// e^k times as long as a fall without drag to the same speed, with the restitution e.
+    /// e^k times as long as a fall without drag to the speed of the first impact, with the restitution e.
     pub fn bounces(&self, duration: f64) -> f64 {
         let (e, flight) = (self.restitution, self.speed / self.gravity);
         if flight <= 0.0 || duration <= self.fall {

@@ -8,8 +8,8 @@ use crate::scene::Scene;
 
 /// [-] gap between two neighbours at the start, over the overlap of an impact, below which the contacts of a sphere
 /// with both neighbours overlap in time. The number follows from solutions of the three-sphere equations. Three spheres
-/// in a row with gaps of twice u sqrt(m/k) agree with a sequence of two impacts to 1e-6. With half of these gaps they
-/// differ by more than 1e-2.
+/// in a row with gaps of twice u sqrt(m/k) (speed u, mass m, stiffness k) agree with a sequence of two impacts to 1e-6.
+/// With half of these gaps they differ by more than 1e-2.
 const SEPARATE: f64 = 2.0;
 
 /// True if spheres overlap each other or a wall by more than the rounding of positions.

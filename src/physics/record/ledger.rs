@@ -14,7 +14,7 @@ pub const SOME: usize = 12;
 
 /// Indices, in [`Ledger::to_array`], of the entries to which a contact of two particles adds. In this order they are:
 /// first column of the virial, loss by restitution, second column, loss by friction, third column, loss by tangential
-/// restitution.
+/// restitution. A column has three entries.
 pub const OF_PAIRS: [usize; SOME] = [18, 19, 20, 3, 21, 22, 23, 4, 24, 25, 26, 27];
 
 /// Indices, in [`Ledger::to_array`], of the entries to which a contact with a wall adds. In this order they are:

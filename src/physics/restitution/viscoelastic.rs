@@ -1,4 +1,4 @@
-//! Impact of two viscoelastic spheres: one function of one number.
+//! Impact of two viscoelastic spheres as a function of one number, the damping number β.
 //!
 //! In units of the mass M, the speed of approach u and Hertz's constant k, the overlap x obeys x'' = -x^(3/2) - β
 //! sqrt(x) x' with the damping number β. At touch x = 0 and x' = 1. The impact ends when x = 0 again. With w = sqrt(x),
@@ -8,9 +8,11 @@
 
 use std::sync::LazyLock;
 
-/// [-] step of the integration variable σ over the time scale of the equations. The error of the method is below 1e-9.
+/// [-] step of the integration variable σ, divided by the shortest scale of σ on which the state changes. The error of
+/// the method is below 1e-9.
 const STEP: f64 = 0.02;
-/// [-] largest β/(1 + β) in the table of impacts, with the damping β: β = 9, where the restitution e is 9e-5.
+/// [-] largest β/(1 + β) in the table of impacts, with the damping number β. This is β = 9, where the restitution e is
+/// 9e-5.
 const LARGEST: f64 = 0.9;
 /// Number of intervals of the table of impacts. Cubic interpolation errs by less than 2e-9 of the values.
 const INTERVALS: usize = 1024;

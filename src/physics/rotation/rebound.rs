@@ -1,15 +1,16 @@
 //! Rebound of an oblique impact of stiff spheres, as a function Φ of one number, the reduced slip.
 //!
 //! The units are the effective mass M, the normal speed u_n and the normal stiffness. In these units, the overlap δ(t)
-//! and the normal force f are fixed functions for a given restitution. The reduced slip is σ = s/(μ u_n) with the slip
-//! s and the friction μ, and the shear ξ has the unit of length times μ. The tangential motion is ξ' = σ, (M_t/M) σ' =
-//! -F, F = k ξ + c σ with |F| at most max(f, 0). Here M_t is the effective mass of the slip, F the tangential force
-//! over μ, k the tangential stiffness, and c the tangential dashpot constant. These equations contain no μ, size or
-//! speed, so σ after the impact is a function Φ(σ_0) (Becker et al. 2008, Phys. Rev. E 77, 011304, propose such a map).
+//! and the normal force f are fixed functions for a given restitution. The reduced slip is σ = s/(μ u_n), with the slip
+//! s (tangential velocity of the surfaces) and the friction μ. The shear ξ of the tangential spring has the unit of
+//! length times μ. The tangential motion is ξ' = σ, (M_t/M) σ' = -F, F = k ξ + c σ with |F| at most max(f, 0). Here M_t
+//! is the effective mass of the slip, F the tangential force over μ, k the tangential stiffness, and c the tangential
+//! dashpot constant. These equations contain no μ, size or speed, so σ after the impact is a function Φ(σ_0) (Becker et
+//! al. 2008, Phys. Rev. E 77, 011304, propose such a map).
 //!
 //! The linear law has δ = exp(-ζt) sin(ω_d t)/ω_d and ω_d = sqrt(1 - ζ²), with time in units of 1/ω_0. For Hertz's law,
-//! w = δ^(5/4) is this function of a transformed time, in which w oscillates like a linear spring (Antypov and Elliott
-//! 2011, EPL 94, 50004).
+//! w = δ^(5/4) follows this formula in a transformed time, in which w oscillates like a linear spring (Antypov and
+//! Elliott 2011, EPL 94, 50004).
 
 use super::{NormalSpring, SpringDashpotSlider, TangentialLaw};
 use std::f64::consts::PI;
@@ -30,8 +31,8 @@ const POINTS: usize = 4096;
 pub struct ObliqueImpact {
     /// [-] normal damping ratio ζ of the linear oscillator, 0 <= ζ < 1.
     pub damping_ratio: f64,
-    /// [-] tangential stiffness k_t and dashpot c_t in units of M, u_n and the normal stiffness. For Mindlin's law they
-    /// are k_t/sqrt(δ) and c_t/δ^(1/4).
+    /// [-] tangential stiffness k_t and dashpot c_t in units of M, u_n and the normal stiffness. For Mindlin's law the
+    /// two constants are k_t/sqrt(δ) and c_t/δ^(1/4).
     pub tangential: SpringDashpotSlider,
     /// [-] effective mass M_t of the slip over the effective mass M.
     pub mass: f64,
@@ -104,11 +105,11 @@ impl ObliqueImpact {
         PI / self.damped()
     }
 
-    /// Values of the integration variable that no step may cross, because the equations change there. For Hertz's law
-    /// the first one is at the largest overlap (phase arccos ζ). From there on, Mindlin's law may lower the tangential
-    /// force together with the stiffness ([`SpringHistory::Rescaled`]). For linear laws it equals the second one. The
-    /// second one is at twice this phase. From there on, damping makes the normal force attractive, so the limit of
-    /// friction is 0. The third one is the end of the contact.
+    /// Three values of the integration variable that no step may cross, because the equations change there. The first
+    /// value, for Hertz's law, is at the largest overlap (phase arccos ζ). From there on, Mindlin's law may lower the
+    /// tangential force together with the stiffness ([`SpringHistory::Rescaled`]). For linear laws the first value
+    /// equals the second. The second value is at the phase 2 arccos ζ. From there on, damping makes the normal force
+    /// attractive, so the limit of friction is 0. The third value is the end of the contact.
     fn stops(&self) -> [f64; 3] {
         let phase = self.damping_ratio.acos();
         if self.is_hertzian() {

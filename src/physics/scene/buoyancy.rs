@@ -31,8 +31,9 @@ impl Scene {
     /// mass ρ_a [kg/m³] it becomes g (ρ_p - ρ_f)/(ρ_p + ρ_a). A second call changes nothing.
     ///
     /// Engines use one acceleration for all particles: [`gravity`](Self::gravity), which becomes that of the densest
-    /// species. The simulation adds the differences of the other species in half-kicks before and after each window.
-    /// The free flight of such a species is exact, and the error in its contacts is of second order in the window.
+    /// species. The simulation adds the differences of the other species in half-kicks (changes of the velocities for
+    /// half a window) before and after each window. The free flight of such a species is exact, and the error in its
+    /// contacts is of second order in the window.
     pub fn add_buoyancy(&mut self) {
         let gravity = self.gravity;
         let Some(fluid) = self.fluid.as_mut().filter(|fluid| fluid.buoyancy.is_none()) else { return };

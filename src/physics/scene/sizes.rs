@@ -23,7 +23,7 @@ pub enum SizeDistribution {
         /// [m] largest diameter of the distribution.
         to: f64,
     },
-    /// The logarithm of the diameter is normally distributed. Diameters outside `from` and `to` are left out.
+    /// The logarithm of the diameter is normally distributed. Diameters below `from` and above `to` are left out.
     LogNormal {
         /// [m] median of the distribution before the cut.
         median: f64,

@@ -1,5 +1,5 @@
 //! Thermostats: heating of the particles from outside, which replaces the energy that collisions dissipate. It acts at
-//! the ends of windows, the times between two kicks of drag or heat.
+//! the ends of windows, the times between two kicks (changes of the velocities) by drag or heat.
 
 use serde::Serialize;
 

@@ -44,8 +44,8 @@ impl SchedulePosition {
         self.cut.unwrap_or_else(|| self.after(0))
     }
 
-    /// [s] time after `windows` more windows, each as long as the present window, from the beginning of the present
-    /// window.
+    /// [s] end of the first `windows` windows, counted from the present one, if all are as long as the present one;
+    /// with 0 the beginning of the present window.
     pub fn after(&self, windows: u64) -> f64 {
         (self.done + windows * self.schedule.together(self.done)) as f64 * self.schedule.window
     }

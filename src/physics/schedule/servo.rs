@@ -1,5 +1,5 @@
-//! Lengths of windows in scenes with servo walls, whose speed changes at the ends of windows. A window is the time
-//! between two exchanges with the gas.
+//! Lengths of windows in scenes with servo walls. They move to keep the pressure on them, and their speed changes at
+//! the ends of windows. A window is the time between two exchanges with the gas.
 
 use crate::experiment::Experiment;
 use crate::predict::contact::ContactTimes;
@@ -14,8 +14,8 @@ const WINDOWS_PER_CONTACT: f64 = 10.0;
 const LARGEST_CORRECTION: f64 = 1.0 / 3.0;
 
 /// [Pa s/m] acoustic impedance sqrt(K m)/d² of the smallest particles, with their mass m and diameter d. K is the
-/// stiffness that gives the contact time t_c at a wall: K = m (π/t_c)². A wall with this damping reflects waves of one
-/// row of particles least. Infinite if no contact is possible.
+/// stiffness that gives the contact time t_c at a wall: K = m (π/t_c)². A wall with this damping reflects the smallest
+/// part of a wave that travels along a row of particles. Infinite if no contact is possible.
 pub fn impedance(experiment: &Experiment) -> f64 {
     let over_square = |species: &Species| {
         let diameter = species.smallest();

@@ -16,9 +16,9 @@ use nalgebra::Vector3;
 /// R. The reason is that the power of drag at the speed w, m w²/τ(w) with the response time τ, is a convex function of
 /// w² for any law whose 1/τ grows with w. So the mean of this power is at least its value at R (Jensen's inequality).
 /// Collisions of spheres that do not rotate and walls at rest add no energy ([`is_fed`]). Gravity g adds at most the
-/// speed of a fall from rest. Let S be the sum of the speed of this fall and of a speed that drag alone decreases from
-/// the R of the start. Drag grows at least as fast as w, so dS/dt >= g - S/τ(S), while dR/dt <= g - R/τ(R). Therefore S
-/// is an upper limit of R.
+/// speed of a fall from rest. Let S be the sum of two speeds: that of this fall, and one that begins at the initial R
+/// and decreases by drag alone. Drag grows at least as fast as w, so dS/dt >= g - S/τ(S), while dR/dt <= g - R/τ(R).
+/// Therefore S is an upper limit of R.
 pub(super) struct Slowing<'a> {
     experiment: &'a Experiment,
     /// [m/s] root mean square speed R at the start.

@@ -1,5 +1,5 @@
-//! Two-way coupling: the gas loses the momentum that a kick gives to the particles, and its velocity profile is
-//! renewed. A window is the time between two kicks.
+//! Two-way coupling: the gas loses the momentum that a kick of drag gives to the particles, and its velocity profile is
+//! computed again. A window is the time between two kicks.
 
 use super::Simulation;
 use crate::domain::Domain;
@@ -28,9 +28,10 @@ impl Simulation {
         self.loaded_flow.as_deref()
     }
 
-    /// Sums over the particles in each slice of the gas, before or after a kick. The field `impulse` of each is the
-    /// momentum [kg m/s] of the particles along z. The exchange rates are those of `kick`, or 0 without it. `None` if
-    /// the particles do not change the gas.
+    /// Sums over the particles in each slice of the gas (layer at equal distance from the wall), before or after a
+    /// kick. The field `impulse` of each is the momentum [kg m/s] of the particles along z. The field `exchange` is the
+    /// sum of m/τ [kg/s] over the particles, with the mass m and the response time τ in `kick`. It is 0 without `kick`,
+    /// or if the particles do not change the turbulence. `None` if the particles do not change the gas.
     pub(super) fn slice_sums(&self, kick: Option<(&Kick, Option<&LocalFractions>)>) -> Option<Vec<SliceSums>> {
         let (flow, fluid) = (self.loaded_flow()?, self.scene.fluid.as_ref()?);
         let kick = kick.filter(|_| flow.coupling().modulation != Modulation::None);
@@ -59,7 +60,7 @@ impl Simulation {
     }
 
     /// Takes from the gas the momentum that a kick has given to the particles, and advances the gas by the `duration`
-    /// [s] of the kick. `before` are the [`slice_sums`](Self::slice_sums) before the kick.
+    /// [s] of the kick. `before` are the [`slice_sums`](Self::slice_sums) before the kick; with `None` nothing is done.
     pub(super) fn advance_gas(&mut self, before: Option<Vec<SliceSums>>, duration: f64) {
         let Some((before, after)) = before.zip(self.slice_sums(None)) else { return };
         let given = before.iter().zip(&after).map(|(before, after)| after.impulse - before.impulse);
@@ -71,7 +72,7 @@ impl Simulation {
     }
 
     /// Records the momentum along z that lift has given to the particles; the gas loses it in the next drag kick.
-    /// `before` are the [`slice_sums`](Self::slice_sums) before the kick of lift.
+    /// `before` are the [`slice_sums`](Self::slice_sums) before the kick of lift; with `None` nothing is done.
     pub(super) fn owe_lift(&mut self, before: Option<Vec<SliceSums>>) {
         let Some((before, after)) = before.zip(self.slice_sums(None)) else { return };
         if let Some(flow) = &mut self.loaded_flow {
@@ -79,7 +80,8 @@ impl Simulation {
         }
     }
 
-    /// Replaces the gas flow on which the particles act by `flow`, and makes the velocity profile from it.
+    /// Replaces the gas flow on which the particles act by `flow`, and makes the velocity profile from `flow`. Does
+    /// nothing with `None`.
     pub(super) fn take_gas(&mut self, flow: Option<Box<LoadedFlow>>) {
         if flow.is_some() && flow != self.loaded_flow {
             self.loaded_flow = flow;

@@ -63,8 +63,8 @@ impl DerefMut for SimulationEngine {
     }
 }
 
-/// [s] soft time step of an experiment with `particles` particles; infinite if the step is set per contact and no
-/// contact is possible.
+/// [s] soft time step of an experiment with `particles` particles; infinite if the step is given as a fraction of the
+/// contact time and no contact is possible.
 pub fn soft_step(experiment: &Experiment, particles: usize) -> f64 {
     match experiment.soft.time_step {
         TimeStep::Fixed(step) => step,

@@ -1,9 +1,10 @@
 //! Particles that come in through inlets: random positions without overlap, by random sequential insertion. They come
-//! in at the end of a window, the time between two exchanges with the gas.
+//! in at the end of a window, the time between two exchanges with the gas. The ledger holds the sums of work, losses
+//! and impulses since the start.
 //!
 //! The random size, velocity and spin of a particle are determined by the seed of the run and the id of the particle.
-//! Its random position depends also on the number of the window. So none of them depends on threads, on the order of
-//! the store, or on a stop and continuation of the run.
+//! Its random position depends also on the number of the window. So these random values do not depend on threads, on
+//! the order of the store, or on a stop and continuation of the run.
 
 use super::Simulation;
 use super::through_flow::ThroughFlow;
@@ -19,8 +20,9 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Number of random positions tried for a particle at the end of a window. At half of the density at which random
-/// sequential addition of spheres jams, 0.382 (Talbot, Schaaf and Tarjus 1991), about 1 in 10 positions is free.
+/// Number of random positions tried for a particle at the end of a window. Random sequential addition of spheres jams
+/// at a volume fraction of 0.382 (Talbot, Schaaf and Tarjus 1991). At half of this fraction about 1 in 10 positions is
+/// free.
 const TRIES: usize = 1000;
 
 /// Free space of each inlet of `scene`, in which new particles can be placed. The walls of the scene must not have

@@ -1,4 +1,5 @@
-//! Kicks of drag and heat, which change the velocities of all particles and leave their positions as they are.
+//! Kicks of drag and heat, which change the velocities of all particles and leave their positions as they are. The
+//! ledger holds the sums of work, losses and impulses since the start.
 
 use super::Simulation;
 use super::share::Order;
@@ -102,7 +103,7 @@ pub fn kick(particles: &mut Particles, profile: &Profile, kick: &Kick) -> [Exact
 }
 
 /// Applies drag alone to all particles, as [`kick`] does. With `fractions`, the drag depends on the local volume
-/// fractions of the particles.
+/// fractions of the particles; with `None` it does not.
 pub(super) fn kick_among(
     particles: &mut Particles,
     profile: &Profile,

@@ -1,5 +1,5 @@
-//! Servo walls: at the end of each window (time between two exchanges with the gas) the force of the particles on a
-//! wall is measured, and the wall gets a new speed.
+//! Servo walls, which move to keep the pressure on them: at the end of each window (time between two exchanges with the
+//! gas) the force of the particles on a wall is measured, and the wall gets a new speed.
 
 use super::Simulation;
 use crate::contact_law::ContactLaw;

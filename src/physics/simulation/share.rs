@@ -1,6 +1,6 @@
-//! Simulation shared by several processes. The lead process runs the simulation as a single process would. The other
-//! processes execute the orders of the lead on their particles. A window is the time between two exchanges with the
-//! gas.
+//! Simulation shared by several processes. The lead process (number 0) runs the simulation as a single process would.
+//! The other processes execute the orders of the lead on their particles. A window is the time between two exchanges
+//! with the gas.
 
 use super::Simulation;
 use crate::communicator::Communicator;
@@ -41,7 +41,8 @@ pub enum Order {
     /// determines its random numbers.
     Kick(f64, u64),
     /// Advance the engine from the time of the first value [s] by a window, whose length [s] is the second value. If
-    /// particles change the gas, the gas is sent too, since processes that had no particles have not computed it.
+    /// particles change the gas, the gas is sent too (otherwise `None`), since processes that had no particles have not
+    /// computed it.
     Advance(f64, f64, Option<Box<LoadedFlow>>),
     /// Store the velocities and the state of the gas, before a half-kick for observers.
     Keep,
@@ -55,8 +56,8 @@ pub enum Order {
     Fingerprint,
     /// Send the records of this process to the lead, and then the particles of each process in turn.
     Give,
-    /// Call the observers at these indices for the particles of the process. The first two values are the time [s] and
-    /// the momentum [kg m/s] of all particles.
+    /// Call observers (measurements) for the particles of the process. The values are the time [s], the total momentum
+    /// [kg m/s], and the index of each observer with stored data or `None`.
     ///
     /// At its first call in this way, an observer continues from the data that its copy in the lead process has stored.
     See(f64, Vector3<f64>, Vec<(usize, Option<Stored>)>),
@@ -104,9 +105,9 @@ impl Simulation {
         self
     }
 
-    /// Creates a simulation at time 0 in which each process has a part of the particles, without initial overlaps. The
-    /// parts are those in [blocks of one size](crate::domain::blocks::Blocks::of_one_size). All processes must call
-    /// this function, and must then call [`shared_in_parts`](Self::shared_in_parts).
+    /// Creates a simulation at time 0 in which each process has a part of the particles, which must not overlap at the
+    /// start. The parts are those in [blocks of one size](crate::domain::blocks::Blocks::of_one_size). All processes
+    /// must call this function, and must then call [`shared_in_parts`](Self::shared_in_parts).
     pub fn part(experiment: &Experiment, particles: Particles, communicator: &dyn Communicator) -> Self {
         Self::of(experiment, particles, Some(communicator))
     }
@@ -129,9 +130,9 @@ impl Simulation {
         self
     }
 
-    /// Executes the orders of the lead for the particles of this process until the lead ends. `see` calls the observer
-    /// at an index with the simulation. At the first call of an observer, `see` also gets the data that its copy in the
-    /// lead has stored.
+    /// Executes the orders of the lead for the particles of this process until the simulation of the lead ends. `see`
+    /// calls the observer at an index with the simulation. At the first call of an observer, `see` also gets the data
+    /// that its copy in the lead has stored; at later calls `None`.
     pub fn follow(mut self, see: &mut dyn FnMut(&Self, usize, Option<&Stored>)) {
         let (mut kept, mut kept_gas) = (Particles::default(), None);
         while let Some(share) = &self.share {

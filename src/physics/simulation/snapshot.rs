@@ -44,7 +44,7 @@ pub struct Snapshot {
     loaded_flow: Option<Box<LoadedFlow>>,
     /// Particles that have come in and left; `None` in a scene without inlets and outlets.
     through_flow: Option<Box<ThroughFlow>>,
-    /// States of the servo walls, in the order of the walls.
+    /// States of the servo walls (which move to keep the pressure on them), in the order of the walls.
     servo: Vec<ServoState>,
     /// State of the engine, as bytes.
     engine: Stored,

@@ -14,22 +14,22 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 
 impl Simulation {
-    /// Number of the kick that follows the latest completed window. The random numbers of the kick depend on it. A
-    /// half-kick for observers uses the same number, because it is undone before the kick itself.
+    /// Number of the kick that follows the latest completed window. The random numbers of the kick depend on this
+    /// number. A half-kick for observers uses the same number, because that half-kick is undone before the kick itself.
     pub(super) fn number_of_kick(&self) -> u64 {
         2 * self.windows
     }
 
-    /// Number of the half-kick before the next window, which determines its random numbers. It is for a run whose
-    /// previous window ended with a half-kick.
+    /// Number of the half-kick before the next window, in a run whose previous window ended with a half-kick. The
+    /// random numbers of the half-kick depend on this number.
     pub(super) fn number_of_first_half(&self) -> u64 {
         2 * self.windows + 1
     }
 }
 
 impl Simulation {
-    /// Chooses at random the gas fluctuations seen by particles that come in, if particles in the scene have
-    /// fluctuations.
+    /// Chooses at random the fluctuations of the gas velocity that new particles see, if the particles in the scene
+    /// have such fluctuations.
     pub(super) fn draw_eddies_of(&self, fresh: &mut Particles) {
         let fluid = self.scene.fluid.as_ref().filter(|_| self.particles.eddies.is_some());
         if let Some((fluid, turbulence)) = fluid.and_then(|fluid| Some((fluid, fluid.turbulence.as_ref()?))) {
@@ -39,8 +39,8 @@ impl Simulation {
 }
 
 /// Chooses at random the fluctuation of the gas velocity that each particle sees at the start, unless particles have
-/// one already. The Langevin equation stores it over its standard deviation [-], the discrete random walk as a velocity
-/// [m/s].
+/// one already. The stored value is the fluctuation over its standard deviation [-] for the Langevin equation, and a
+/// velocity [m/s] for the discrete random walk.
 pub(super) fn draw_first_eddies(particles: &mut Particles, (fluid, turbulence): (&Fluid, &Turbulence), seed: u64) {
     let Particles { eddies, id, position, .. } = particles;
     eddies.get_or_insert_with(|| {
@@ -103,8 +103,8 @@ pub(super) struct TurbulentKick<'a> {
 type Moving<'a> = (&'a mut [Vector3<f64>], &'a mut [Vector3<f64>]);
 
 impl TurbulentKick<'_> {
-    /// Applies drag alone to all particles. Returns sums over all particles: the impulse [kg m/s] of drag along x, y
-    /// and z, and the work [J] of drag.
+    /// Applies drag to all particles, and advances the fluctuations that they see. Returns sums over all particles: the
+    /// impulse [kg m/s] of drag along x, y and z, and the work [J] of drag.
     pub fn apply(&self, particles: &mut Particles) -> [ExactSum; 4] {
         let Some(mut eddies) = particles.eddies.take() else { return exact::none() };
         let mut velocity = std::mem::take(&mut particles.velocity);

@@ -18,8 +18,9 @@ impl Simulation {
     }
 
     /// Runs until `time` [s] in the windows that the program uses for the experiment. For a simulation with an engine
-    /// of the calling program, windows are chosen from its particles at the first call, and keep that length. At the
-    /// end, velocities and positions belong to `time`. Nothing happens if the simulation has reached `time` already.
+    /// of the calling program, the first call chooses the length of the windows from the particles, and later calls
+    /// keep this length. At the end, velocities and positions belong to `time`. Nothing happens if the simulation has
+    /// reached `time` already.
     ///
     /// A call that ends at a sample of the schedule changes no bit of the results. At any other time the call divides a
     /// kick of drag, which changes rounding, and may divide a window.
@@ -31,10 +32,11 @@ impl Simulation {
         self.complete()
     }
 
-    /// Runs as [`run_until`](Self::run_until) for as long as `go_on` returns true, and returns true if `time` [s] is
-    /// reached. `go_on` is called at the end of every window. After a stop at the end of a window, velocities lack a
-    /// half-kick of drag in most cases. A run to a later time adds this half-kick, and has the bits of a run that was
-    /// not stopped. [`complete`](Self::complete) adds it at once.
+    /// Runs like [`run_until`](Self::run_until), but only as long as `go_on` returns true. Returns true if `time` [s]
+    /// is reached. `go_on` is called at the end of every window but the last, and where the schedule divides a window.
+    /// After a stop at the end of a window, velocities lack a half-kick of drag in most cases. A run to a later time
+    /// adds this half-kick, and has bit by bit the results of a run that was not stopped. [`complete`](Self::complete)
+    /// adds the half-kick at once.
     ///
     /// # Errors
     /// Errors of [`run`](Self::run).
@@ -48,7 +50,7 @@ impl Simulation {
     /// The half-kick divides a kick, which changes rounding.
     ///
     /// # Errors
-    /// A particle left the domain, or energy grew more than errors of the scheme explain.
+    /// A particle left the domain, or energy grew more than errors of the time integrator explain.
     pub fn complete(&mut self) -> Result<(), Failure> {
         if self.half_kicked {
             return Ok(());

@@ -1,5 +1,6 @@
 //! Weight of the particles: its work and impulse, and the differences in acceleration of species with buoyancy. A
-//! window is the time between two exchanges with the gas.
+//! window is the time between two exchanges with the gas. The ledger holds the sums of work, losses and impulses since
+//! the start.
 
 use super::Simulation;
 use crate::exact::{self, BLOCK, ExactSum};
@@ -42,9 +43,9 @@ impl Simulation {
         self.totals.momentum += weight + by_walls;
     }
 
-    /// Accelerates particles for `duration` [s] by the difference between two accelerations, each by weight minus
-    /// buoyancy: that of their species, and that of the densest species. The engine itself applies the acceleration of
-    /// the densest species to all particles.
+    /// Accelerates each particle for `duration` [s] by the acceleration of its species minus that of the densest
+    /// species. Both accelerations are due to weight minus buoyancy. The engine itself applies the acceleration of the
+    /// densest species to all particles.
     pub(super) fn add_differences_in_gravity(&mut self, duration: f64) {
         let differences = self.scene.differences_in_gravity();
         if differences.is_empty() {

@@ -7,8 +7,8 @@
 use super::errors::{Estimate, FEWEST_BLOCKS, LARGEST_CORRELATION, block_size, inflation, mean};
 use nalgebra::{DMatrix, DVector};
 
-/// [-] largest ratio of the block lengths of two runs with which their blocks are assumed to be equally correlated. The
-/// correlation is then measured in both runs together.
+/// [-] largest ratio of the block lengths of two runs for which neighbouring blocks are assumed to have the same
+/// correlation in both runs. The correlation is then measured in both runs together.
 const SAME_LENGTH: f64 = 1.25;
 
 /// Smallest number of independent runs from which a standard error is computed. With two runs, the tails of Student's
@@ -28,7 +28,8 @@ pub struct Batches {
     pub values: Vec<f64>,
     /// Numbers of each component, one per block. Blocks are in the order of time, one replica after the other. For an
     /// average over samples, the number is the average over the block. For other quantities it is the jackknife
-    /// pseudo-value. The mean of the pseudo-values equals the average up to terms of second order.
+    /// pseudo-value: with n blocks, n times the average minus (n-1) times the average without this block. The mean of
+    /// the pseudo-values equals the average up to terms of second order.
     pub blocks: Vec<Vec<f64>>,
     /// Number of successive blocks that belong to one run: all blocks, or the blocks of one replica. Blocks of
     /// different runs are independent.
@@ -78,7 +79,8 @@ impl Batches {
 
     /// Average and blocks that represent a value with a stated standard error, both in the unit of the value. The
     /// blocks are made up so that their mean and its standard error are these numbers, as if from very many independent
-    /// runs. Two values with different `number`s, both below [`MOST_STATED`], have independent errors.
+    /// runs. `number` is an index of the value. Two values with different indices, both below [`MOST_STATED`], have
+    /// independent errors.
     pub fn of_stated(value: f64, error: f64, number: usize) -> Self {
         let apart = error * (MOST_STATED as f64).sqrt();
         // Walsh functions: in each function, as many runs are above the value as below it, and any two functions are

@@ -47,7 +47,7 @@ pub struct Observable {
     /// Description of the scale, in words that follow "% of", such as "its mean".
     pub scale_is: &'static str,
     /// Average at each position, with the blocks of time from which its error is computed. Each entry has one
-    /// component. A single number has one position. `None` if the average is unknown.
+    /// component; it is `None` if the average is unknown. A single number has one entry.
     pub parts: Vec<Option<Batches>>,
 }
 

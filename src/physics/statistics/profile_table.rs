@@ -1,5 +1,5 @@
 //! Averages over time in the slices of the box, with standard errors, and their averages over several replicas (runs
-//! with different seeds).
+//! with different seeds). A sample is an instant at which measurements are taken.
 
 use super::batches::Batches;
 use super::errors::Estimate;

@@ -1,4 +1,5 @@
-//! Averages of velocity moments in slices of the box (section 2.2 of the paper), with standard errors.
+//! Averages of velocity moments in slices of the box (section 2.2 of the paper, see `docs/paper.md`), with standard
+//! errors. A sample is an instant at which measurements are taken.
 //!
 //! The velocity components are those of the paper: U, u streamwise (z); V, v wall-normal (y); W, w spanwise (x).
 
@@ -48,8 +49,8 @@ impl SampleBlock {
     }
 }
 
-/// Sums of all slices, and the number of particles in all slices and samples. The density of a slice is its share of
-/// this number.
+/// Sums of all slices, and `samples`, the number of particles summed over all slices and samples. The density of a
+/// slice is computed from its share of this number.
 struct Counted {
     sums: Vec<f64>,
     samples: f64,
@@ -140,10 +141,11 @@ impl Accumulator {
 
     /// Averages over the samples at the time `from` [s] and later; only whole blocks of time are used.
     ///
-    /// Averages are computed from the sums over all these samples. For its standard error, each average is also
-    /// computed without each of 20 to 39 equal blocks of time (jackknife, since the moments are not linear in the
-    /// sums). The mean of the resulting pseudo-values has the error that [`estimate`](super::estimate) returns, which
-    /// takes the correlation of blocks into account.
+    /// Averages are computed from the sums over all these samples. The standard error of an average comes from the
+    /// jackknife, since the moments are not linear in the sums. The samples are divided into n equal blocks of time: 20
+    /// to 39, or fewer in a short run. The average is also computed n times, each time without one block. The
+    /// pseudo-value of a block is n times the average minus (n-1) times the average without this block. The standard
+    /// error is that of the mean of the pseudo-values, with the correlation of blocks.
     pub fn table(&self, from: f64) -> ProfileTable {
         let full = self.blocks.iter().take_while(|b| b.samples == self.block_samples).count();
         // sample times are sums of many steps, and their rounding errors must not exclude a sample
@@ -184,8 +186,8 @@ impl Accumulator {
     }
 
     /// Averages in the slice with index `slice`, from the sums over all samples, and the pseudo-values of each average
-    /// (jackknife) for its standard error. `groups` are the sums over each group of blocks, and `frame` has the times
-    /// of the groups.
+    /// (jackknife) for its standard error. `groups` are the sums over each of the blocks of time that the jackknife
+    /// leaves out, and `frame` has their times.
     fn row(
         &self,
         slice: usize,

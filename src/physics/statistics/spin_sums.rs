@@ -9,8 +9,8 @@ pub const SPIN_SUMS: usize = 8;
 /// z.
 pub const SPIN_QUANTITIES: usize = 7;
 
-/// Sums over the spins of one sample, in SI units, one row for each of `slices` slices. The function `slice_of` returns
-/// the slice of the particle with a given index. `None` for spheres that do not rotate.
+/// Sums over the spins of one sample (the particles at one instant), in SI units, one row for each of `slices` slices.
+/// The function `slice_of` returns the slice of the particle with a given index. `None` for spheres that do not rotate.
 pub fn sums(sample: Sample, slices: usize, slice_of: impl Fn(usize) -> usize + Sync) -> Option<Vec<[f64; SPIN_SUMS]>> {
     let particles = sample.particles;
     let (spins, inertia) = (particles.spin.as_ref()?, particles.inertia.as_ref()?);

@@ -24,8 +24,8 @@ pub struct Steadiness {
     /// [s] simulated time at which the steady part of the run begins; 0 without a sample.
     pub from: f64,
     /// True if no series drifts by more than 4 standard errors during the averaging period. In addition, the start of
-    /// averaging must not be forced by its limit, half of the run. With too few samples for a test, the result is false
-    /// and `drift` is `None`.
+    /// averaging must not be at its limit, half of the run, because of a longer relaxation. With too few samples for a
+    /// test, the result is false and `drift` is `None`.
     pub steady: bool,
     /// [-] largest drift of all series: difference between the means of the second and the first half of the averaging
     /// period, in standard errors. `None` if unknown, infinite for a drift without any noise.

@@ -87,7 +87,7 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     /// [s] first time in `(0, until]` at which the gap of a sphere of `radius` [m] becomes zero. The flight of the
     /// centre is x(t) = position + velocity t + gravity t²/2 (SI units). The time is 0 if the sphere already overlaps
     /// the wall and still approaches it. `None` if the sphere does not touch. The default method is conservative
-    /// advancement, which needs only nearest points.
+    /// advancement (steps in which the sphere certainly touches nothing), which needs only nearest points.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         advancement::touch_time(self, flight, radius, until)
     }
@@ -98,7 +98,8 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         1
     }
 
-    /// Nearest point of contact number `which` to the centre `point` [m] of a sphere of `radius` [m].
+    /// Nearest point of the wall in contact number `which` of a sphere with the centre `point` [m] and the radius
+    /// `radius` [m].
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let _ = (which, radius);
         self.nearest(point)
@@ -117,7 +118,7 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     }
 
     /// First touch for contact number `which`, with the surface feature that is touched. Its time is defined as in
-    /// [`touch_time`](Self::touch_time).
+    /// [`touch_time`](Self::touch_time); `None` without a touch.
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let _ = which;
         self.touch_time(flight, radius, until).map(Touch::at)
@@ -193,8 +194,8 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// True if the wall is a vessel (a wall around all particles) that limits their positions along the axis `axis` (0,
-    /// 1 or 2).
+    /// True if the wall is a vessel (a wall around all particles) that limits the positions of the particles along the
+    /// axis `axis` (0, 1 or 2).
     fn holds_along(&self, axis: usize) -> bool {
         let _ = axis;
         false
@@ -316,7 +317,8 @@ impl WallGeometry {
         if self.is_flat() { 1 } else { self.law().contacts() }
     }
 
-    /// Nearest point of contact number `which` to the centre `point` [m] of a sphere of `radius` [m].
+    /// Nearest point of the wall in contact number `which` of a sphere with the centre `point` [m] and the radius
+    /// `radius` [m].
     #[inline]
     pub fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         self.plane().map_or_else(|| self.law().contact(which, point, radius), |plane| plane.nearest(point))
@@ -408,7 +410,8 @@ pub struct Wall {
     /// [m/s] velocity of the surface along itself, as of a conveyor belt. The shape does not move.
     #[serde(skip_serializing_if = "is_still")]
     pub velocity: Vector3<f64>,
-    /// Rotation of the surface, as of a drum or a turntable. The shape stays in position.
+    /// Rotation of the surface, as of a drum or a turntable, while the shape stays in position; `None` without
+    /// rotation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turning: Option<Turning>,
     /// Motion of the shape; `None`: the shape stays in position. [`Wall::moving`] sets it together with `geometry`.

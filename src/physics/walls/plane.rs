@@ -69,9 +69,9 @@ pub(super) fn is_along(velocity: &Vector3<f64>, normal: &Vector3<f64>) -> bool {
     velocity.dot(normal).abs() <= ROUNDING * velocity.norm()
 }
 
-/// [s] first time t > 0 at which the gap g0 + v t + a t²/2 of a sphere falls through zero. The arguments are g0 [m], v
-/// [m/s] and a [m/s²]. A negative g0 counts as zero, because the caller has already treated spheres that overlap and
-/// approach.
+/// [s] first time t > 0 at which the gap g0 + v t + a t²/2 of a sphere falls through zero; `None` if it never does. The
+/// arguments are g0 [m], v [m/s] and a [m/s²]. A negative g0 counts as zero, because the caller has already treated
+/// spheres that overlap and approach.
 pub(super) fn first_closing(gap: f64, speed: f64, acceleration: f64) -> Option<f64> {
     let gap = gap.max(0.0);
     let discriminant = speed * speed - 2.0 * acceleration * gap;

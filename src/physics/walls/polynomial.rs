@@ -1,9 +1,9 @@
 //! Times at which a polynomial in time rises to zero.
 
-/// First time t in `(0, until]` at which c_0 + c_1 t + c_2 t² + ... rises to zero from below; `coefficients` begins
-/// with c_0. A polynomial that is not below zero at t = 0 describes a sphere that touches already. The result is then 0
-/// if c_1 exceeds `resolution`, the rounding error of c_1. Otherwise it is the time at which the polynomial, after
-/// falling, reaches its first value again.
+/// [s] first time t in `(0, until]` at which c_0 + c_1 t + c_2 t² + ... rises to zero from below; `None` without such a
+/// time. `coefficients` begins with c_0. A polynomial that is not below zero at t = 0 describes a sphere that touches
+/// already. The result is then 0 if c_1 exceeds `resolution`, the rounding error of c_1. Otherwise it is the time at
+/// which the polynomial, after falling, reaches its first value again.
 pub(super) fn way_out(coefficients: &[f64; 5], resolution: f64, until: f64) -> Option<f64> {
     let [at, rate, rest @ ..] = *coefficients;
     if at < 0.0 {
@@ -16,12 +16,13 @@ pub(super) fn way_out(coefficients: &[f64; 5], resolution: f64, until: f64) -> O
     first_rise(&[rate.min(-resolution), second, third, fourth], until)
 }
 
-/// First time in `(0, until]` at which a polynomial that is negative at the beginning rises to zero.
+/// [s] first time in `(0, until]` at which a polynomial that is negative at the beginning rises to zero; `None` without
+/// such a time.
 fn first_rise(coefficients: &[f64], until: f64) -> Option<f64> {
     rises(coefficients, until).next()
 }
 
-/// All times in `(0, until]` at which a polynomial rises to zero from below, in ascending order. At time 0 the
+/// [s] all times in `(0, until]` at which a polynomial rises to zero from below, in ascending order. At time 0 the
 /// polynomial may be zero if it falls from there.
 pub(super) fn rises(coefficients: &[f64], until: f64) -> impl Iterator<Item = f64> {
     let until = until.min(farthest(coefficients));
@@ -35,8 +36,8 @@ pub(super) fn rises(coefficients: &[f64], until: f64) -> impl Iterator<Item = f6
     })
 }
 
-/// All times in `(0, until)` at which a polynomial changes sign, in ascending order. At most one of them lies between
-/// two successive sign changes of the derivative.
+/// [s] all times in `(0, until)` at which a polynomial changes sign, in ascending order. At most one of them lies
+/// between two successive sign changes of the derivative.
 fn crossings(coefficients: &[f64], until: f64) -> Vec<f64> {
     if coefficients.len() < 2 {
         return Vec::new();

@@ -69,8 +69,9 @@ impl Geometry for Tube {
     /// the sphere's centre from the axis. Here p, q and α are the components of position, velocity and gravity
     /// perpendicular to the axis. The sphere touches the wall when ρ = a + b t + c t²/2, the radius of the wall beside
     /// the centre minus sqrt(1 + s²) times the radius of the sphere. For a straight flight (for pipes: straight in the
-    /// plane perpendicular to the axis) the degree is two, otherwise four. Conservative advancement would need too many
-    /// steps for a sphere that slides down a cone in ever smaller bounces.
+    /// plane perpendicular to the axis) the degree is two, otherwise four. Conservative advancement (steps in which the
+    /// sphere certainly touches nothing) would need too many steps for a sphere that slides down a cone in ever smaller
+    /// bounces.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let curved = if self.slope == 0.0 { self.axle.across(&flight.gravity) } else { flight.gravity };
         let from = flight.position - self.axle.center;
@@ -175,9 +176,10 @@ impl Geometry for OppositeBowl {
 }
 
 /// [s] first time t >= 0 at which a sphere inside a round wall touches the wall: when a t² + 2 b t + c becomes
-/// positive. `None` if there is no touch. With c >= 0 the sphere touches already. The time is then 0 if it moves into
-/// the wall (b > `resolution`). If it moves away (b < -`resolution`), it is the time of the touch on the other side.
-/// Otherwise the sphere slides along the wall, and the time is that at which a t + b reaches 2 `resolution`.
+/// positive. `None` if there is no touch. With c >= 0 the sphere touches already. The time is then 0 if the sphere
+/// moves into the wall (b > `resolution`). If the sphere moves away (b < -`resolution`), the time is that of the touch
+/// on the other side. Otherwise the sphere slides along the wall, and the time is that at which a t + b reaches 2
+/// `resolution`.
 fn first_way_out(a: f64, b: f64, c: f64, resolution: f64) -> Option<f64> {
     if c >= 0.0 {
         return if b > resolution {

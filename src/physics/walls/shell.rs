@@ -1,8 +1,8 @@
 //! Time at which a sphere touches a thin round shell.
 //!
-//! Spheres slide along a shell in ever smaller and slower bounces, with flights nearly along the shell. Steps of
-//! conservative advancement are as long as the gap, so such flights would need too many. Their time of touch is the
-//! root of a polynomial.
+//! Spheres slide along a shell in ever smaller and slower bounces, with flights nearly along the shell. Conservative
+//! advancement makes steps as long as the gap, so it would need too many steps for such flights. For these, the time of
+//! touch is found as the root of a polynomial.
 
 use super::{Flight, Frustum, Geometry, Nearest, advancement, polynomial};
 use nalgebra::{Vector2, Vector3};
@@ -107,7 +107,7 @@ impl FlightAcrossShell {
 
     /// [s] all times up to `until` [s] at which a polynomial rises to zero. Its values are squared lengths of the order
     /// of `size`² [m²]. If a polynomial is zero at time 0, up to positive rounding errors, time 0 is a result if the
-    /// polynomial rises there. For later times it is treated as falling from zero.
+    /// polynomial rises there. For later times the polynomial is treated as if it fell from zero at time 0.
     fn rises(&self, way: &[f64], size: f64, until: f64) -> Vec<f64> {
         let mut way = way.to_vec();
         let resolution = 16.0 * f64::EPSILON * size * self.speed;

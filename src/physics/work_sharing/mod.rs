@@ -56,10 +56,11 @@ pub fn for_each_with<T: Send, M>(
     });
 }
 
-/// Calls `do_pieces` on this thread and on `helpers` others. Its argument is true on the others: these take pieces from
-/// the end, so that each thread mostly gets its pieces of the previous loop, which are in its cache.
+/// Calls `do_pieces` on this thread and on `helpers` others. The argument of `do_pieces` is true on the other threads.
+/// These take pieces from the end of the list, so that each thread mostly gets its pieces of the previous loop, which
+/// are in its cache.
 ///
-/// It takes a trait object, because compiling the calls of rayon anew for each loop would take long.
+/// The function takes a trait object, because compiling the calls of rayon anew for each loop would take long.
 fn on_threads(helpers: usize, do_pieces: &(dyn Fn(bool) + Sync)) {
     let busy = AtomicUsize::new(helpers);
     rayon::scope(|scope| {

@@ -35,7 +35,7 @@ impl Mpi {
 }
 
 impl Drop for Mpi {
-    /// Aborts all processes if this process has panicked, since the others would wait for ever.
+    /// Aborts all processes if this process has panicked, since the other processes would wait for ever.
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.world.abort(1);

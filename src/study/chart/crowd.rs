@@ -109,7 +109,7 @@ impl Crowd {
     }
 
     /// Quantities in which the methods are compared. Each has a reference value, which is exact or a mean over the runs
-    /// of the reference, and the scatter between these runs.
+    /// of the reference. Each also has a floor: the relative error that a run of the reference method has by chance.
     pub fn quantities(&self) -> Vec<ChartQuantity> {
         let mut quantities = Vec::new();
         let asked = self.stretch.experiment.scene.restitution_of_pairs();
@@ -225,7 +225,8 @@ impl Crowd {
     }
 
     /// Mean profile of the reference: a column of the table of averages over slices of the box across y, averaged over
-    /// the runs of the reference. There is one value per slice; `None` in a slice that is empty in at least one run.
+    /// the runs of the reference. There is one value per slice, in the unit of the column; `None` in a slice that is
+    /// empty in at least one run.
     fn mean_profile(&self, column: SliceColumn) -> Vec<Option<f64>> {
         let mut sums: Vec<Option<f64>> = Vec::new();
         for run in &self.references {

@@ -1,5 +1,6 @@
-//! Chart of one impact: every method is compared with the closed form. The bodies first touch at 128 different instants
-//! within a time step, called phases.
+//! Chart of one impact: every method is compared with the closed form. A point of the chart is one method with one
+//! value of its parameter. For each point, the bodies first touch at 128 different instants within a time step, called
+//! phases.
 
 use super::methods::{MethodParameter, MethodSweep, Values, total, work};
 use crate::contact_law::Bodies;

@@ -13,7 +13,8 @@ pub enum MethodParameter {
     /// Elastic parameter of the contact law, such as the stiffness. It is swept at [`FINE_STEPS`] steps per contact.
     /// The field holds the parameter with its value in the case.
     Stiffness(Parameter),
-    /// [-] step criterion θ of hard spheres that move in time steps.
+    /// [-] step criterion θ of hard spheres in time steps: distance by which a typical pair of spheres approaches in
+    /// one step, divided by the diameter.
     Theta,
     /// [s] length of the window, the time between two exchanges of momentum with the gas.
     Window,

@@ -1,4 +1,5 @@
-//! Gas among particles, as a finished run with `[fluid.coupling]` has written it to `gas.csv`.
+//! Gas among particles, as a finished run with `[fluid.coupling]` has written it to `gas.csv`. A variant is one of the
+//! experiments of a case.
 
 use crate::fluid::{GridNode, Profile};
 use crate::legible::quote;

@@ -1,5 +1,5 @@
 //! Observables by which two steady runs are compared: averages over time that are not equal by definition or by
-//! symmetry.
+//! symmetry. A variant is one of the experiments of a case.
 
 use crate::experiment::Experiment;
 use crate::fluid::Profile;
@@ -21,14 +21,15 @@ const SLICES: usize = 4;
 /// Number of points in each half of the channel at which the gas profile is tested for mirror symmetry.
 const POINTS: usize = 20;
 
-/// Observables of a variant and of its reference, in the same order in both lists. A mixture adds the temperature and
-/// the impact rate of each species, and its velocity if gas, gravity or walls drive a stream.
+/// Observables of a variant and of its reference, in the same order in both lists. A mixture adds the granular
+/// temperature and the impact rate of each species. It also adds the streamwise velocity of each species if gas,
+/// gravity or walls drive a stream.
 ///
-/// The velocities V (across the walls) and W (spanwise) and the stresses uw and vw are left out: V vanishes since mass
-/// is conserved, the others vanish by symmetry. The streamwise velocity U needs gas, gravity along the stream, or walls
-/// that move, since momentum is conserved otherwise. The number density needs walls or gravity. The stress uv needs
-/// walls and a stream, or a sheared box. The rotational temperature T_r is compared if the spheres of both variants
-/// rotate. The mean spin also needs walls and a stream.
+/// The velocities V (normal to the walls) and W (spanwise) and the stresses uw and vw are left out: V vanishes since
+/// mass is conserved; W, uw and vw vanish by symmetry. The streamwise velocity U needs gas, gravity along the stream,
+/// or walls that move, since momentum is conserved otherwise. The number density needs walls or gravity. The stress uv
+/// needs walls and a stream, or a sheared box. The rotational temperature T_r is compared if the spheres of both
+/// variants rotate. The mean spin also needs walls and a stream.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;
     let walls = !scene.walls.is_empty();

@@ -1,5 +1,5 @@
 //! Comparison of two variants with many particles whose runs are not steady: curves over time are compared, with errors
-//! from replicas (runs with different seeds).
+//! from replicas (runs with different seeds). A variant is one of the experiments of a case.
 
 use super::words::{self, in_prose, percent};
 use super::{Criteria, Finding, ReplicaRuns, unsteady};
@@ -21,8 +21,8 @@ pub const FEWEST: usize = 3;
 /// 14 degrees of freedom.
 const ADVISED: usize = 8;
 
-/// Number of particles that are assumed to move together as a group when single runs are compared. For molecular chaos
-/// it would be 1. The value is larger, so that the answer "different" is not given too soon.
+/// Number of particles that are assumed to move together as a group when single runs are compared. If all particles
+/// moved independently, it would be 1. The value is larger, so that the answer "different" is not given too soon.
 const CLUMP: f64 = 100.0;
 
 /// Columns of the time series that are compared as curves over time. These are all columns with a `scale`, the rule for
@@ -170,8 +170,8 @@ fn scale(curve: &SeriesColumn, references: &[&Outcome], times: &[f64]) -> Option
 }
 
 /// Compares two variants with one run each. A single run has no error bar, but a difference may exceed the largest one
-/// that is possible by chance. If N groups of particles move independently, temperature and energy scatter by sqrt(2/(3
-/// N)) of their values. A group is assumed to have [`CLUMP`] particles.
+/// that is possible by chance. If N groups of particles move independently, temperature and energy scatter by
+/// sqrt(2/(3N)) of their values. A group is assumed to have [`CLUMP`] particles.
 fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> Finding {
     let clumps = variant.particles.min(reference.particles) as f64 / CLUMP;
     let scatter = (2.0 / (3.0 * clumps)).sqrt();

@@ -2,7 +2,8 @@
 //!
 //! Few bodies are compared by their paths, as long as paths can be predicted. After that time, and for many bodies, two
 //! steady runs are compared by their averages over time. Runs that are not steady are compared by curves over time,
-//! whose errors are computed from replicas (runs with different seeds).
+//! whose errors are computed from replicas (runs with different seeds). A variant is one of the experiments of a case.
+//! The scale of an observable is the value by which its differences are divided.
 
 mod averages;
 mod curves;
@@ -48,7 +49,7 @@ pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<
 }
 
 /// Compares every variant with its reference, with the margin (largest accepted difference) and the accepted
-/// probabilities of wrong answers in `asked`. Use it for one of several interim tests, which need smaller
+/// probabilities of wrong answers in `asked`. If a comparison has several interim tests, each of them needs smaller
 /// probabilities.
 pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) -> Vec<Verdict> {
     let replicas = |place: usize| others.get(place).map_or(&[][..], Vec::as_slice);

@@ -1,7 +1,9 @@
-//! Comparison of the numbers that two steady runs measure under `[observe]`, by the rule of the other averages.
+//! Comparison of the numbers that two steady runs measure because their case has a table `[observe]`, by the rule of
+//! the other averages. A variant is one of the experiments of a case.
 //!
-//! These numbers are tested together, with a separate error level of 1 %, and are no part of the answer for the
-//! variants. So a further measurement changes neither this answer nor its probability of error.
+//! These numbers are tested together, with a separate error level (probability of a false difference) of 1 %, and are
+//! no part of the answer for the variants. So a further measurement changes neither this answer nor its probability of
+//! error.
 
 use super::words::pair;
 use super::{Criteria, averages};
@@ -25,7 +27,8 @@ const STILL: &str = "no scatter within the runs: --replicas 8 gives errors";
 /// Remark on numbers without a standard error.
 const SHORT: &str = "no standard error: too few samples";
 
-/// Differences of the numbers that two steady runs measure, in the order of the variant.
+/// Differences of the numbers that two steady runs measure, in the order in which the variant (the first run) measures
+/// them.
 pub(super) fn judge(both: [&Outcome; 2], asked: Criteria) -> Vec<ObservedDifference> {
     let until = both[0].profiles.until.min(both[1].profiles.until);
     let mut found = observed_differences(both.map(|one| one.observations.as_slice()), until, asked);

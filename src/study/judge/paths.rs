@@ -2,7 +2,8 @@
 //!
 //! Paths of colliding spheres are chaotic: small differences grow with every impact. The growth is measured with a twin
 //! of the reference, a second run whose initial velocities are slightly disturbed. Paths are compared up to the instant
-//! at which this disturbance has grown a thousandfold. Later differences are not due to the models.
+//! at which this disturbance has grown a thousandfold. Later differences are not due to the models. A variant is one of
+//! the experiments of a case.
 
 use super::Finding;
 use super::words::{self, percent};
@@ -67,7 +68,8 @@ pub fn is_chaotic(reference: &Outcome) -> bool {
 }
 
 /// Compares the paths of the particles of two variants, as long as the paths of the reference can be predicted.
-/// `margin` [-] is relative to the largest speed for velocities, and to this speed times the time for positions.
+/// `margin` [-] is the largest accepted difference: of velocities divided by the largest speed, and of positions
+/// divided by this speed times the elapsed time.
 pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     let reason = "There are few particles: the path of each is compared.".to_owned();
     let unresolved = |sentence: String| Finding {

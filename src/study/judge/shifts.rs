@@ -60,14 +60,14 @@ impl<'a> ShiftReference<'a> {
 
     /// Shifts of the observables: the weighted sum of runs `of` minus the weighted sum `against`. Weights are positive,
     /// and their totals are equal in both sums. The shift of a curve over time is its mean difference or that at one
-    /// instant, whichever is more significant.
+    /// instant, whichever is more significant. `margin` [-] is the largest difference that counts as equivalent.
     pub fn shifts(&self, of: &Mix, against: &Mix, margin: f64) -> Shifts {
         self.found([of, against], margin, Tested::headline)
     }
 
     /// Differences of two weighted sums of runs that should be equal, such as the deviations of runs from a straight
-    /// line. For a curve over time it is the mean difference, since the largest difference over all instants is never
-    /// zero.
+    /// line. For a curve over time the mean difference is returned, since the largest difference over all instants is
+    /// never zero. `margin` [-] is the largest difference that counts as equivalent.
     pub fn misses(&self, of: &Mix, against: &Mix, margin: f64) -> Vec<Shift> {
         self.found([of, against], margin, |tested| tested.mean).shifts
     }
@@ -172,11 +172,11 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
     std::iter::once(runs.outcome).chain(runs.others).collect()
 }
 
-/// Observable that reduces a profile to one number: its mean over the slices of the box across y. If the profile
-/// changes sign at the mid-plane, the number is half the difference between the means of the two halves. For the
-/// density it is the mean of the two slices at the walls, or the first slice of a profile that is not symmetric. An
-/// observable that is a single number is returned unchanged. If no slice has a value, the
-/// returned observable has none either. The result is never `None`.
+/// Observable with one number that represents a profile: the mean of the profile over the slices of the box across y.
+/// If the profile changes sign at the mid-plane, the number is half the difference between the means of the two halves.
+/// For the density it is the mean of the two slices at the walls, or the first slice of a profile that is not
+/// symmetric. An observable that is a single number is returned unchanged. If no slice has a value, the returned
+/// observable has none either. The result is never `None`.
 fn number(profile: &Observable) -> Option<Observable> {
     let count = profile.places.len();
     if count == 0 {
@@ -278,10 +278,10 @@ fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     })
 }
 
-/// Increases the errors of shifts that come from a straight line through several runs, if the runs do not lie on the
-/// line. `misses` has the distance of a run from the line for each observable. Each error is multiplied by the ratio of
-/// this distance to the error of the distance, if the ratio exceeds 1. Without scatter, the distance times `share` [-]
-/// is added to the error.
+/// Increases the errors of shifts that are found from a straight line through several runs, if the runs do not lie on
+/// the line. For each observable, `misses` has the distance of one run from the line, with its error. If this distance
+/// is larger than its error, the error of the shift is multiplied by their ratio. If the distance has no error (0), the
+/// distance times `share` [-] is added to the error of the shift.
 pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
     let one = |mut shift: Shift| {
         let miss = misses.iter().find(|miss| miss.observable == shift.observable);

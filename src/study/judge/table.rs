@@ -1,4 +1,5 @@
-//! Comparison of the averages of a steady run with a table of values, such as measurements.
+//! Comparison of the averages of a steady run with a table of values, such as measurements. A variant is one of the
+//! experiments of a case.
 
 use super::averages::{number, scale};
 use super::{Criteria, Finding, how_it_stopped, longer, stopped, unsteady, words};

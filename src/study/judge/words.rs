@@ -1,4 +1,4 @@
-//! Sentences that express the answers of a comparison of two variants.
+//! Sentences that express the answers of a comparison of two variants. A variant is one of the experiments of a case.
 
 use crate::output::numbers::{counted, quantity, significant, with_error};
 use crate::statistics::{Answer, Comparison, Deviation, Estimate, Judged, LARGEST_DRIFT, Steadiness};

@@ -210,9 +210,10 @@ fn average(
     Ok(SideAverage { summary, batches })
 }
 
-/// Steadiness of all replicas (runs with different seeds) of a side together. Averaging begins at the time from which
-/// every replica is steady. The side is steady if more than half of its replicas are, since one steady run in twenty
-/// appears unsteady by chance.
+/// Steadiness of all replicas (runs with different seeds) of a side together. Each entry of `spaced` belongs to one
+/// replica and contains its times and values. Averaging begins at `from` or, if it is `None`, at the time from which
+/// every replica is steady. Differences are divided by `scale` or, if it is `None`, by the mean of the replica. The
+/// side is steady if more than half of its replicas are, since one steady run in twenty appears unsteady by chance.
 fn steadiness(spaced: &[(f64, &[f64], &[f64])], from: Option<f64>, scale: Option<f64>) -> Steadiness {
     let each: Vec<Steadiness> = spaced
         .iter()

@@ -16,7 +16,7 @@ use crate::runs::StudyError;
 use crate::statistics::Estimate;
 use std::f64::consts::{FRAC_2_PI, PI};
 
-/// [-] volume fraction of the particles, as in case D of the paper.
+/// [-] volume fraction of the particles, as in case D of the paper (docs/paper.md).
 const FRACTION: f64 = 0.01;
 /// Number of collisions per particle before the first measurement of the anisotropy. By then, soft contacts begin and
 /// end at equal rates.
@@ -42,7 +42,7 @@ fn start_temperature(experiment: &Experiment) -> f64 {
 }
 
 /// [1/s] rate -d(ln A)/dt at which the anisotropy A of the velocities decays in a run. The second part is the failure
-/// of the run, if it stopped early.
+/// of the run if it stopped early, otherwise `None`.
 fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
     /// Number of windows (equal pieces of a run) per mean time between two collisions of a particle. With so many
     /// windows, few particles collide twice within a window.
@@ -56,7 +56,7 @@ fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
 }
 
 /// Map of the decay rate of the anisotropy of soft spheres, divided by that of hard spheres, as a function of the
-/// overlap number κ_n.
+/// overlap number κ_n. For spheres of mass m at the granular temperature T, it is sqrt(2/π) sqrt(mT/k)/d.
 pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (kappas, count, seeds) =
         grid.choose((vec![0.05], 10_000, 6), (vec![0.003, 0.009, 0.02, 0.035, 0.05], 20_000, 48));

@@ -87,8 +87,8 @@ pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Map of gases that cool by inelastic collisions in three dimensions: number of collisions per sphere until a
-/// collapse, as a function of the volume fraction and the restitution.
+/// Map of gases that cool by inelastic collisions in three dimensions: number of collisions per sphere until a collapse
+/// (or until the run ends without one), as a function of the volume fraction and the restitution.
 pub fn cooling(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (e, fraction, count, collisions) = grid.choose(
         (even(0.1, 0.9, 5), vec![0.05, 0.2, 0.4], 200, 30.0),

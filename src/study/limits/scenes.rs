@@ -1,4 +1,5 @@
-//! Functions that change a scene from point to point of a map, and quantities that are computed from its runs.
+//! Functions that change a scene from point to point of a map, and quantities that are computed from its runs. The
+//! paper is that of docs/paper.md.
 
 use crate::contact_law::ContactLaw;
 use crate::domain::Domain;
@@ -28,7 +29,7 @@ pub fn simulation(experiment: &Experiment) -> Result<Simulation, StudyError> {
 }
 
 /// Runs a simulation for `duration` [s] in `windows` equal windows (pieces of the run). Returns the failure if the run
-/// stops early; failures are results of a map.
+/// stops early, otherwise `None`; failures are results of a map.
 pub fn run(simulation: &mut Simulation, windows: u64, duration: f64) -> Option<Failure> {
     simulation.run(windows, duration / windows as f64).err()
 }

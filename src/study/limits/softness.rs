@@ -39,9 +39,9 @@ fn of_smaller_spheres(softness: f64) -> f64 {
 }
 
 /// [-] rate at which soft spheres touch at the distance d, divided by the rate of hard spheres. `softness` [-] is
-/// sqrt(m T/k)/d. The pair distribution is that of hard spheres of diameter d_eff at the distance d: g + g' (d -
-/// d_eff), with contact value g and slope g'. The slope is from Percus and Yevick's equation (Wertheim 1963): g' d_eff
-/// = -(9/2) φ (1+φ)/(1-φ)³, with the volume fraction φ of these spheres.
+/// sqrt(mT/k)/d. The pair distribution is that of hard spheres of diameter d_eff at the distance d: g + g'(d-d_eff),
+/// with contact value g and slope g'. The slope -(9/2)φ(1+φ)/(1-φ)³/d_eff is from Percus and Yevick's equation
+/// (Wertheim 1963), with the volume fraction φ of these spheres.
 fn touches(softness: f64) -> f64 {
     let contact = |fraction: f64| (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     let smaller = effective_diameter(softness);
@@ -51,7 +51,7 @@ fn touches(softness: f64) -> f64 {
 }
 
 /// [1/m] collision rate of one sphere divided by the square root of the granular temperature, measured in a run of
-/// `duration` [s]. The second part is the failure of the run, if it stopped early.
+/// `duration` [s]. The second part is the failure of the run if it stopped early, otherwise `None`.
 fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut simulation = simulation(experiment)?;
     // the influence of the start decays during the first tenth of the time, which is not measured
@@ -68,8 +68,8 @@ fn rate(experiment: &Experiment, duration: f64) -> Result<(f64, Option<Failure>)
     Ok((collisions / (0.9 * duration) / roots, failure))
 }
 
-/// Map of the collision rate of soft spheres, divided by that of hard spheres, as a function of the softness sqrt(m
-/// T/k)/d.
+/// Map of the collision rate of soft spheres, divided by that of hard spheres, as a function of the softness
+/// sqrt(mT/k)/d.
 pub fn softness(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (softness, seeds, collisions) = grid.choose(
         (vec![0.01, 0.02, 0.05], 3, 30.0),

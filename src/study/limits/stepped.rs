@@ -1,5 +1,6 @@
 //! Hard spheres that move in time steps: collisions are searched at the end of each step. Some collisions are therefore
-//! missed, and others are found after the spheres have overlapped.
+//! missed, and others are found after the spheres have overlapped. The step criterion θ is the distance by which a
+//! typical pair of spheres approaches in one step, divided by the diameter.
 
 use super::picture::{curve, curves, even, measured, points};
 use super::scenes::{collision_rate, mean, run, simulation};

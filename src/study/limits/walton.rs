@@ -38,7 +38,7 @@ fn law(case: &TangentialLaw, restitution: f64, beta: f64) -> TangentialLaw {
 
 /// Reduced slip s/(μ u_n) [-] of the surfaces after one impact with the tangential law `law`, with slip s, coefficient
 /// of friction μ and normal speed u_n. `reduced` [-] is the reduced slip before the impact. The second part of the
-/// result is the failure of the run, if it stopped early.
+/// result is the failure of the run if it stopped early, otherwise `None`.
 fn rebound(grid: &Points, law: TangentialLaw, reduced: f64) -> Result<(f64, Option<Failure>), StudyError> {
     let mut unit = 0.0;
     let mut simulation = simulation(&grid.with(|case| {

@@ -2,7 +2,8 @@
 //! this size.
 //!
 //! If the case is idealised (restitution 1, no friction), a factor sets a real value. If the case has a real value, the
-//! factor changes it by the uncertainty of measurements. A factor that makes no sense for a scene returns the reason.
+//! factor changes it by the uncertainty of measurements. If a factor makes no sense for a scene, its function returns
+//! the reason. The paper is the channel study of docs/paper.md.
 
 use super::plan::{PlannedFactor, SensitivityPlan};
 use super::rotating::{rolling, rotation, tangential_restitution, tangential_stiffness};
@@ -28,8 +29,9 @@ const FRICTION_ERROR: f64 = 0.02;
 /// [-] number of steps per contact in the cases B to D of the paper, from its printed time step and stiffness
 /// (docs/paper.md, "The audit").
 const PAPER_STEPS: f64 = 7.7;
-/// [-] step criterion θ of hard spheres that move in time steps. It is a third of the usual 0.3, at which fast spheres
-/// pass through walls (docs/limits.md).
+/// [-] step criterion θ of hard spheres that move in time steps: distance by which a typical pair of spheres approaches
+/// in one step, divided by the diameter. The value is a third of the usual 0.3, at which fast spheres pass through
+/// walls (docs/limits.md).
 const THETA: f64 = 0.1;
 /// [-] factor between the stiffnesses of successive runs, the first of which has the stiffness of the case. With each
 /// reduction by 4 the overlaps of linear springs double, so the softest of three runs has overlaps four times as deep.
@@ -94,8 +96,8 @@ pub(super) fn plain(number: f64) -> f64 {
     (1e6 * number).round() / 1e6
 }
 
-/// Description of the soft spheres of a case by the elastic parameter of their contact law, such as "k_n = 3 kN/m". It
-/// is "soft" without a law.
+/// Description of the soft spheres of a case by the elastic parameter of their contact law, such as "k_n = 3 kN/m".
+/// Without a contact law, the description is "soft".
 fn stiff(law: Option<ContactLaw>) -> String {
     law.map_or("soft".into(), |law| {
         let parameter = law.parameter();
@@ -178,16 +180,16 @@ fn stepping(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFac
     ))
 }
 
-/// Names of all tables of a case that define a surface: those of contacts between particles, of walls, and of listed
-/// pairs.
+/// Names of all tables of a case that define a surface: those of contacts between particles, of walls, and of the pairs
+/// in the list `contact.pairs`.
 pub fn surfaces(plan: &SensitivityPlan) -> Vec<String> {
     let pairs = pairs(plan).unwrap_or_default().into_iter().map(|(table, _)| table);
     let walls = walls(plan, |surface| surface.friction).unwrap_or_default().into_iter().map(|(table, _)| table);
     pairs.chain(walls).collect()
 }
 
-/// Names of the tables that define contacts between particles, each with its surface: `contact`, and the listed pairs
-/// of species.
+/// Names of the tables that define contacts between particles, each with its surface: `contact`, and the pairs of
+/// species in the list `contact.pairs`.
 fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
     let reference = plan.reference();
     if reference.most_that_touch(reference.count()) < 2 {
@@ -199,8 +201,8 @@ fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
 }
 
 /// Names of the tables in the list `contact.pairs` whose second kind of body is `wanted` (a species or a wall), each
-/// with its contact properties. The friction in a table is changed on trial, which shows the pair that the table
-/// determines.
+/// with its contact properties. To find the pair of bodies to which a table belongs, the function changes the friction
+/// in this table on trial. The pair whose friction then differs is the pair of the table.
 pub(super) fn listed(plan: &SensitivityPlan, wanted: fn(&Kind) -> bool) -> Vec<(String, Meeting)> {
     /// [-] friction coefficient of the trial, which does not occur in any case.
     const PROBE: f64 = 0.123_456_789;
@@ -276,8 +278,8 @@ fn why_restitution(own: f64) -> &'static str {
     }
 }
 
-/// Names of the tables of all walls, each with the property of its surface that the function `of` returns, such as the
-/// friction.
+/// Names of the tables of all walls and of all listed pairs with a wall. Each table has the property of its surface
+/// that the function `of` returns, such as the friction.
 fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, String> {
     let walls = &plan.reference().scene.walls;
     if walls.is_empty() {

@@ -31,10 +31,10 @@ use table::SensitivityTable;
 /// Question that a study answers by changing a case by one factor at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Question {
-    /// Factors with the largest effect on the case as it is.
+    /// Search for the factors with the largest effect on the case as it is.
     Sensitivity,
-    /// Models that can be left out without changing the results of the case. The study begins with all models that the
-    /// scene can have.
+    /// Search for the models that can be left out without changing the results of the case. The study begins with all
+    /// models that the scene can have.
     Needs,
 }
 

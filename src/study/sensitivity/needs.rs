@@ -102,7 +102,7 @@ pub fn sentences(plan: &SensitivityPlan, factors: &[Factor], runs: &[Sensitivity
     of_models((&plan.factors, &plan.assumed), factors, runs, margin)
 }
 
-/// Sentences as those of [`sentences`], from the planned factors and the assumptions of a plan.
+/// Makes the sentences of [`sentences`] from the planned factors and the assumptions of a plan.
 fn of_models(
     (planned, assumed): (&[PlannedFactor], &[String]),
     factors: &[Factor],

@@ -257,8 +257,8 @@ impl<'a> SensitivityPlan<'a> {
         changed.map(|(experiment, _)| experiment).map_err(|why| why.message)
     }
 
-    /// Index of the run of the case with the changes `sets`. The run is added to the plan unless the plan has an equal
-    /// run.
+    /// Index of the run of the case with the changes `sets`. Without a `model` or a `seed`, it has those of the first
+    /// run. The run is added to the plan unless the plan has an equal run.
     ///
     /// # Errors
     /// Returns the reason, as text, why the case refuses the changes.

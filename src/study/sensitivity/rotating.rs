@@ -16,7 +16,8 @@ const EQUAL_PERIODS: f64 = 0.2857;
 /// [-] rolling friction coefficient so small that its torque is below rounding errors.
 const NO_TORQUE: f64 = 1e-15;
 
-/// Plans the run without rotation or, if the spheres of the case do not rotate, a run with rotation.
+/// Plans the run without rotation or, if the spheres of the case do not rotate, a run with rotation. This factor has no
+/// size, so a `size` is an error.
 pub fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     no_size(size)?;
     let first = plan.first();
@@ -37,7 +38,8 @@ pub fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planne
 }
 
 /// Plans the run with a changed tangential restitution β_0, that of the impact rule or, if the rule has none, that of
-/// the tangential spring.
+/// the tangential spring. `size` is the new value as typed by the user; `None` means a change by the error of
+/// measurements.
 pub fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let Some(rotation) = plan.run(first).scene.rotation.clone() else { return Err("spheres do not rotate".into()) };
@@ -59,7 +61,8 @@ pub fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) ->
     Ok(PlannedFactor::against(first, run, format!("β_0 {} → {to}", plain(own)), why(size, usual)))
 }
 
-/// Plans the run with a changed stiffness ratio k_t/k_n of the linear tangential law.
+/// Plans the run with a changed stiffness ratio k_t/k_n of the linear tangential law. `size` is the new ratio as typed
+/// by the user; `None` means the ratio of elastic spheres or, if the case has about this ratio, that for equal periods.
 pub fn tangential_stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let Some(rotation) = plan.run(first).scene.rotation.clone() else { return Err("spheres do not rotate".into()) };
@@ -84,8 +87,8 @@ pub fn tangential_stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> R
 }
 
 /// Plans the run with the rolling friction coefficient `size` [-]; without a `size`, the run has no rolling resistance.
-/// Coefficients that walls and listed pairs give for themselves change with that of the law. If the case has no rolling
-/// resistance, a `size` is required, since no value is usual.
+/// Coefficients that walls and pairs in the list `contact.pairs` give for themselves change with that of the law. If
+/// the case has no rolling resistance, a `size` is required, since no value is usual.
 pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let reference = plan.run(first);
@@ -115,7 +118,8 @@ pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
     ))
 }
 
-/// Names of the tables of walls and listed pairs that give a rolling friction coefficient for themselves.
+/// Names of the tables of walls, and of pairs in the list `contact.pairs`, that give a rolling friction coefficient for
+/// themselves.
 fn with_rolling_friction(plan: &SensitivityPlan) -> Vec<String> {
     let walls = plan.reference().scene.walls.iter().enumerate();
     let walls = walls.filter(|(_, wall)| wall.resistance.rolling.is_some()).map(|(k, _)| format!("walls[{k}]"));

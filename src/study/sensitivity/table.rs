@@ -21,8 +21,8 @@ pub struct SensitivityTable<'a> {
     pub margin: f64,
     /// Title, case and command of the study, for the report.
     pub provenance: Provenance,
-    /// Outcomes by index of the run, and for each run by replica (run with another seed); `None` for a replica that is
-    /// not complete.
+    /// Outcomes of all replicas (runs with different seeds): the first index is that of the run in the plan, the second
+    /// that of the replica. `None` for a replica that is not complete.
     pub outcomes: Vec<Vec<Option<Outcome>>>,
 }
 

@@ -8,7 +8,8 @@ use crate::statistics::{Answer, LEVEL, holm};
 use crate::study::judge::{ReplicaRuns, ShiftReference, Shifts, widened};
 
 /// Factors (changes of the case) whose runs are complete, with their shifts and answers, and the names of all other
-/// factors. The factors with the largest effects come first.
+/// factors. The factors with the largest effects come first. `outcomes` has the outcomes of each run by replica (run
+/// with its own seed), and `pooled` the outcome averaged over the replicas of a run.
 pub fn factors(
     plan: &SensitivityPlan,
     pooled: &[Option<Outcome>],
@@ -109,8 +110,8 @@ struct LineFit {
     /// Weights of three values. The values multiplied by these weights add up to the deviation of the second value from
     /// the line through the first and the third.
     miss: Vec<f64>,
-    /// [-] standard error of the slope divided by the deviation of the second value from the line through the others,
-    /// for three values without other scatter.
+    /// [-] for three values: standard error of the slope divided by the deviation of the second value from the line
+    /// through the first and the third, if nothing else scatters the values.
     share: f64,
 }
 

@@ -1,5 +1,5 @@
-//! Validation rows of balls that fall on a floor or are squeezed: MFIX DEM01, DEM02 and DEM03, and the end of
-//! infinitely many bounces.
+//! Validation rows (comparisons with references) of balls that fall on a floor or are squeezed: MFIX DEM01, DEM02 and
+//! DEM03, and the end of infinitely many bounces.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, run_to, stopped};
 use crate::engine::Failure;

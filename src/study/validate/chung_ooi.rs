@@ -1,5 +1,5 @@
-//! Validation rows of the benchmark impacts of Chung and Ooi (2011, Granular Matter 13, 643), with points of their
-//! figures that were digitised for the tests of Kratos.
+//! Validation rows (comparisons with references) of the benchmark impacts of Chung and Ooi (2011, Granular Matter 13,
+//! 643), with points of their figures that were digitised for the tests of Kratos.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, read_off, run_to, stopped};
 use super::oblique::rebound;
@@ -56,8 +56,8 @@ pub const ON_PLANE: ValidationCheck = ValidationCheck {
     measure: |scene| force_and_time(normal_impact(scene, 0.2)?, [(11.36e3, 20.0), (726.5e-6, 2e-6)]),
 };
 
-/// Results of a normal impact: largest force [N] and duration [s]. `expected` has both references, each with its
-/// reading error of 1/500 of the axis.
+/// Results of a normal impact: largest force [N] and duration [s]. `expected` has the reference values of both, each
+/// with its reading error of 1/500 of the axis.
 fn force_and_time(ours: [f64; 2], expected: [(f64, f64); 2]) -> Result<CheckResult, StudyError> {
     let [force, time] = expected;
     Ok(vec![

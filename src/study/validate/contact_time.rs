@@ -1,5 +1,5 @@
-//! Validation row of a cooling gas of hard spheres with the TC model, in which collisions in quick succession are
-//! elastic. T is the granular temperature.
+//! Validation row (comparison with a reference) of a cooling gas of hard spheres with the TC model, in which collisions
+//! in quick succession are elastic. T is the granular temperature.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, averaged, run_to};
 use super::cooling::enskog;

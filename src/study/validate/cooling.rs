@@ -1,4 +1,5 @@
-//! Validation rows of gases that cool by inelastic collisions, of smooth and of rough spheres.
+//! Validation rows (comparisons with references) of gases that cool by inelastic collisions, of smooth and of rough
+//! spheres.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, averaged, run_to, stopped};
 use super::gases::temperature;

@@ -1,4 +1,4 @@
-//! Validation row of a small ball that falls in a gas (MFIX DEM06).
+//! Validation row (comparison with a reference) of a small ball that falls in a gas (MFIX DEM06).
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, run_to};
 use crate::experiment::Model;

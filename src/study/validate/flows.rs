@@ -1,4 +1,5 @@
-//! Validation rows of flows: beads that run out of a vessel, and the mean profile of a turbulent gas.
+//! Validation rows (comparisons with references) of flows: beads that run out of a vessel, and the mean profile of a
+//! turbulent gas.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, averaged, exact, stopped};
 use crate::experiment::Model;

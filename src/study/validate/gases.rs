@@ -1,5 +1,5 @@
-//! Validation rows of gases of elastic spheres at equilibrium: collision rate and pressure, mixtures, and an atmosphere
-//! under gravity. T is the granular temperature and d the diameter of a sphere.
+//! Validation rows (comparisons with references) of gases of elastic spheres at equilibrium: collision rate and
+//! pressure, mixtures, and an atmosphere under gravity. T is the granular temperature and d the diameter of a sphere.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, averaged, run_to, stopped};
 use crate::experiment::Model;

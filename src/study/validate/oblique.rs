@@ -1,4 +1,5 @@
-//! Validation rows of oblique impacts of a ball of 5 mm on a plate: MFIX DEM05, and the measurements of Kharaz et al.
+//! Validation rows (comparisons with references) of oblique impacts of a ball of 5 mm on a plate: MFIX DEM05, and the
+//! measurements of Kharaz et al.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, read_off, run_to};
 use crate::experiment::Model;

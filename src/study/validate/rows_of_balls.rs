@@ -1,4 +1,4 @@
-//! Validation row of a row of touching balls that is hit at one end.
+//! Validation row (comparison with a reference) of a row of touching balls that is hit at one end.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, run_to};
 use crate::experiment::Model;

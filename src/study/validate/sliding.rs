@@ -1,4 +1,5 @@
-//! Validation rows of balls that slide, roll and spin: MFIX DEM04, and a ball that is dropped with spin.
+//! Validation rows (comparisons with references) of balls that slide, roll and spin: MFIX DEM04, and a ball that is
+//! dropped with spin.
 
 use super::check::{CheckResult, CheckScene, ValidationCheck, exact, run_to};
 use crate::experiment::Model;

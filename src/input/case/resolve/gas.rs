@@ -11,7 +11,8 @@ use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::{Fluid, LogConstants, LogLaw, Profile};
 use crate::predict::flow::terminal_slip;
 
-/// Number of positions across the channel at which the slip of particles through the gas is computed before the run.
+/// Number of positions across the channel at which the slip (velocity of particles relative to the gas) is computed
+/// before the run.
 const PLACES: usize = 101;
 
 impl Resolver {

@@ -20,8 +20,8 @@ pub const MOST: f64 = 1e9;
 /// would be close to the rounding error of the simulated time (1e-16 of that time).
 const MOST_LOCAL: f64 = 1e15;
 
-/// Source position of the interval of samples or of trajectory frames, if it alone makes too many windows; windows end
-/// at these instants.
+/// Source position of the interval of samples (instants of measurement) or of trajectory frames, if it alone makes too
+/// many windows; windows end at these instants.
 fn too_often<'a>(file: &'a CaseFile, experiment: &Experiment) -> Option<&'a Origin> {
     let duration = experiment.run.duration;
     let samples = file.statistics.as_ref().and_then(|typed| typed.value.sample_interval.as_ref());

@@ -1,4 +1,5 @@
-//! Turns a typed case into an experiment: checks all values, converts names, units and amounts, and reports errors.
+//! Turns a typed case into an experiment: checks all values, converts names, units and amounts, and reports errors. A
+//! variant is the case with one collision model and some settings.
 
 mod coupling;
 mod foreign;

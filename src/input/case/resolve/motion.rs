@@ -17,7 +17,7 @@ impl Resolver {
     /// Adds to a wall the motion of its shape that the case gives. Without a motion the wall is returned unchanged.
     ///
     /// # Errors
-    /// A motion that is out of range, moves nothing, or that the wall, the box or the model cannot have.
+    /// A motion that is out of range or moves nothing, or that the wall, the box or the model does not allow.
     pub(super) fn moving(
         &self,
         wall: Wall,

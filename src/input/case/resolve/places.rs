@@ -15,8 +15,8 @@ use crate::scene::{Scene, SizeDistribution};
 use crate::triangles::digits;
 use nalgebra::Vector3;
 
-/// Index in [`COLUMNS`], the properties of a particle, of the x component of the velocity. The constants below are
-/// indices of other properties that a file may lack; `OF_SPIN` and `OF_MOMENTUM` are those of the x component too.
+/// Index in [`COLUMNS`] (the properties of a particle) of the x component of the velocity. The constants below are the
+/// indices of other properties that a file may lack. `OF_SPIN` and `OF_MOMENTUM` are also those of the x component.
 const OF_VELOCITY: usize = 3;
 const OF_DIAMETER: usize = 6;
 const OF_SPECIES: usize = 7;
@@ -26,7 +26,7 @@ const OF_RADIUS: usize = 12;
 const OF_DENSITY: usize = 13;
 const OF_MASS: usize = 14;
 const OF_MOMENTUM: usize = 15;
-/// [rad/s] fastest spin about an axis that a file may give, as the range of the key `spin` has it.
+/// [rad/s] fastest spin about an axis that a file may give. It is the limit of the key `spin` of a case.
 const FASTEST_SPIN: f64 = 1e9;
 /// [-] relative error of a number in single precision, which other programs write.
 const SINGLE: f64 = f32::EPSILON as f64;
@@ -40,7 +40,8 @@ fn precision(text: &str) -> f64 {
     if digits < ROUNDED { SINGLE } else { SINGLE.max(10f64.powi(1 - digits as i32)) }
 }
 
-/// True if two displacements [m] of the image above are equal up to rounding and whole periods [m] of the box.
+/// True if two displacements [m] along z of the image above a sheared box are equal, up to rounding and to whole
+/// periods [m] of the box. False unless `there` and `here` hold one number each.
 fn near_offset(there: &[f64], here: &[f64], period: f64) -> bool {
     let ([there], [here]) = (there, here) else { return false };
     let apart = (there - here) / period;
@@ -203,8 +204,8 @@ impl Resolver {
         Ok(Some((diameter, OF_DIAMETER)))
     }
 
-    /// Refuses a value in a row of a table that differs from the value of its species by more than rounding. The
-    /// allowed relative difference is `factor` times the precision of the text.
+    /// Refuses the value `value` in the column `column` of a row if it differs by more than rounding from `wanted`, the
+    /// value of the species `kind`. The allowed relative difference is `factor` times the precision of the text.
     fn agree(
         &self,
         row: TableRow<'_>,

@@ -1,4 +1,5 @@
-//! Reads the reference of a variant: the name of another variant, or a table of values with standard errors.
+//! Reads the reference of a variant: the name of another variant, or a table of values with standard errors. A variant
+//! is the case with one collision model and some settings.
 
 use super::Resolver;
 use super::table::TableRow;

@@ -135,7 +135,7 @@ impl Resolver {
     }
 
     /// Tangential law that a case gives. If the case gives none, but has Walton's rule with β_0 > 0 and a linear normal
-    /// law, it is a spring with this tangential restitution β_0. Otherwise it is friction without memory.
+    /// law, the law is a spring with this tangential restitution β_0. Otherwise the law is friction without memory.
     fn tangential_law(&mut self, file: &CaseFile, soft: &SoftSettings) -> Result<TangentialLaw, Diagnostic> {
         let is_linear = soft.law.is_none_or(|law| law.is_linear());
         let is_viscoelastic = matches!(soft.law, Some(ContactLaw::KuwabaraKono(_)));
@@ -249,9 +249,9 @@ impl Resolver {
         Ok(Some(TwistingLaw { damping }))
     }
 
-    /// Impact rule of spheres that rotate, if the restitution of any impact depends on speed; otherwise `None`. The
-    /// rule of a tangential spring needs one restitution, so models with instantaneous impacts refuse that rule. Soft
-    /// spheres use no impact rule.
+    /// Impact rule in place of the rule of a tangential spring, if the restitution of any impact depends on speed;
+    /// otherwise `None`. The rule of a spring needs one restitution, so this is an error in models with instantaneous
+    /// impacts. Soft spheres use no impact rule; for them the result is Coulomb's rule.
     fn rule_by_speed(&self, file: &CaseFile, scene: &Scene) -> Result<Option<ImpactRule>, Diagnostic> {
         let depends = scene.depends_on_speed();
         let typed = file.hard.as_ref().and_then(|hard| hard.value.friction.as_ref()).map(|rule| &rule.origin);

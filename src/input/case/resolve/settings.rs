@@ -17,8 +17,8 @@ use crate::simulation::soft_step;
 
 /// [-] smallest number of time steps per contact N_c that resolves a contact. Fewer steps are refused.
 const FEWEST_STEPS: f64 = 5.0;
-/// [-] number of steps per contact N_c below which a warning is given (the paper's section 3.4: steps T_c/50 to
-/// T_c/15).
+/// [-] number of steps per contact N_c below which a warning is given (section 3.4 of the paper, see `docs/paper.md`:
+/// steps T_c/50 to T_c/15).
 const GOOD_STEPS: f64 = 15.0;
 /// [N/m] allowed range of spring stiffness, which includes all real bodies: a bubble has 0.1, a diamond sphere of 1 mm
 /// has 1e9. Outside the range, squares of times or frequencies would exceed the range of floating-point numbers.

@@ -24,7 +24,7 @@ const MEMORY_PER_BYTE: f64 = 8.0;
 /// Reads a whole file into memory.
 ///
 /// # Errors
-/// In words: the file does not exist, is a folder, a pipe or a device, or is too long for the free memory.
+/// A message in words: the file does not exist, is a folder, a pipe or a device, or is too long for the free memory.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     let told = |error: std::io::Error| match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_string(),
@@ -49,10 +49,11 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// [byte] most that is read of a file with the size `length` [byte]. Without a limit, a wrong file could fill the memory.
+/// [byte] largest number of bytes that is read of a file of the size `length` [byte]. Without a limit, a wrong file
+/// could fill the memory.
 ///
 /// # Errors
-/// In words: the memory for so long a file is not free.
+/// A message in words: the memory for so long a file is not free.
 fn longest(length: u64) -> Result<u64, String> {
     let need = MEMORY_PER_BYTE * length as f64;
     match (length > SHORT, lack(need)) {
@@ -74,7 +75,7 @@ pub fn leads_out(file: &Path, folder: &Path) -> bool {
 /// Reads a whole text file, without its byte order mark.
 ///
 /// # Errors
-/// In words: the file does not exist, is a folder, is too long, or is not UTF-8.
+/// A message in words: the file does not exist, is a folder, is too long, or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<Arc<str>, String> {
     text_of(&read_bytes(path)?)
 }
@@ -82,7 +83,7 @@ pub fn read_text(path: &Path) -> Result<Arc<str>, String> {
 /// Text of a file from its bytes, without a byte order mark.
 ///
 /// # Errors
-/// In words: the bytes are not UTF-8.
+/// A message in words: the bytes are not UTF-8.
 pub fn text_of(bytes: &[u8]) -> Result<Arc<str>, String> {
     match std::str::from_utf8(bytes) {
         Ok(text) => {
@@ -148,9 +149,9 @@ impl<'a> TableRow<'a> {
     }
 }
 
-/// Splits the name of a column into name and unit, if it ends with a unit that fits: `x_mm` is `x` in mm, `vx_mm_s` is
-/// `vx` in mm/s. A name that is itself among the `wanted` names is not split. The unit of a column that is not split is
-/// `None`.
+/// Splits the name of a column into name and unit, if it ends with a unit of the right dimension: `x_mm` is `x` in mm,
+/// `vx_mm_s` is `vx` in mm/s. A name that is itself among the `wanted` names is not split. The unit of a column that is
+/// not split is `None`.
 fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) {
     let split = column.split_once('_').filter(|(name, _)| !wanted.contains(&column) && wanted.contains(name));
     let unit = |(name, unit): (&'a str, &str)| {

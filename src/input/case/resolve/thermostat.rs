@@ -1,4 +1,4 @@
-//! Reads and checks a thermostat. A window is the time between two kicks of drag or heat.
+//! Reads and checks a thermostat. A window is the time between two kicks (changes of the velocities) by drag or heat.
 
 use super::Resolver;
 use crate::case::diagnostic::Diagnostic;

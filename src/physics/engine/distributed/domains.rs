@@ -1,6 +1,7 @@
 //! One run divided among processes. Each process owns the particles in a block of the box. For each part of a window
 //! (the time between two exchanges of momentum with the gas) it also borrows ghost particles. These are copies of
 //! particles of other processes that may interact with its own. *Carried* contacts continue from one part to the next.
+//! The lead process is process 0.
 //!
 //! A process treats its own and the borrowed particles as if there were no others. It solves all islands (groups of
 //! particles that may meet) whose surroundings it stores completely. These include islands of other processes, so no
@@ -72,7 +73,7 @@ pub struct LocalParticles<C> {
     /// Carried contacts at the start of the part (interval of time): those among own particles, and those between an
     /// own particle and one of another process.
     pub(super) lasting: (Vec<C>, Vec<CrossRankContact<C>>),
-    /// Index in the store of each particle that another process owns, by its id.
+    /// Index in the store of each particle that another process owns, by the id of the particle.
     pub(super) strangers: FxHashMap<u32, u32>,
     /// True if all particles that have a carried contact with an own particle are in the store.
     pub complete: bool,
@@ -130,7 +131,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     /// Sends particles that have left the block (region of the box) to the processes that now own them. Copies from
     /// other processes those particles whose flights have their middle within `width` of the block. Flights last `part`
     /// [s], in a frame with the velocity `frame` [m/s]. `flight` [m] is the largest distance of a flying particle from
-    /// the middle of its flight.
+    /// the middle of its flight. Returns the description of the particles now in the store.
     pub fn trade<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,

@@ -1,5 +1,6 @@
-//! Sharing of a run among processes, for all engines that consist of a solver and the common driver. An island is a
-//! group of particles that may meet within a window, the time between two exchanges with the gas.
+//! Sharing of a run among processes, for all engines that consist of a solver and the common driver. The lead process
+//! is process 0. An island is a group of particles that may meet within a window, the time between two exchanges with
+//! the gas.
 
 use super::packing::packed_part;
 use super::{Distributed, DistributedSolver};

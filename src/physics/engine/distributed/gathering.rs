@@ -1,4 +1,5 @@
-//! Distributing particles from the lead process to all processes, and gathering them in the lead process again.
+//! Distributing particles from the lead process to all processes, and gathering them in the lead process again. The
+//! lead process is process 0.
 
 use super::CrossRankContact;
 use super::domains::Domains;
@@ -31,7 +32,8 @@ pub struct GatheredPart<C> {
     /// Contacts in progress (or other carried state) between an own particle of the lead process and a particle of
     /// another process.
     pub abroad: Vec<CrossRankContact<C>>,
-    /// Indices of the own particles that were last members of islands, groups of particles that may meet.
+    /// Indices of the own particles that were members of islands (groups of particles that may meet) when islands were
+    /// last solved.
     pub members: Vec<u32>,
 }
 
@@ -70,7 +72,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 
     /// Moves all particles and contacts to the lead process, so that the other processes have none. `members` lists the
-    /// particles that were last in islands (groups of particles that may meet); their indices are adapted.
+    /// particles that were in islands (groups of particles that may meet) when islands were last solved; their indices
+    /// are adapted.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         drop(self.gather_sample(solver, work, members, 1));
         if !self.is_lead() {

@@ -80,8 +80,8 @@ pub fn agree_with<'a>(
 }
 
 /// Members of own islands that are not in the cells of the search and may meet a particle in the messages `told`. `own`
-/// is true for each island that this process owns. Members too deep inside the region to meet such a particle are left
-/// out. No member, and no ball in the messages, reaches farther than `widest` [m] from its middle.
+/// is true for each island that has a particle of this process. Members too deep inside the region to meet such a
+/// particle are left out. No member, and no ball in the messages, reaches farther than `widest` [m] from its middle.
 fn late_near<'i, 'a: 'i>(
     islands: &'i impl IslandFinder<'a>,
     own: &[bool],

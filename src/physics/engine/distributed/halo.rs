@@ -1,5 +1,6 @@
 //! Own and borrowed particles of a process while several processes share uniform time steps. A borrowed particle, or
 //! ghost, is a copy of a particle that another process owns. A window is the time between two exchanges with the gas.
+//! The neighbour list holds the pairs that may touch soon. The lead process is process 0.
 
 use super::CrossRankContact;
 use super::domains::Domains;

@@ -1,5 +1,5 @@
-//! Several processes that share one run. Each process moves the particles in its domain, a block of the box. A window
-//! is the time between two exchanges with the gas.
+//! Several processes that share one run. Each process moves the particles in its domain, a block of the box. The lead
+//! process is process 0. A window is the time between two exchanges with the gas.
 //!
 //! Engines, islands (groups of particles that may meet) and uniform steps are written as for a single process. Where
 //! processes must decide together or exchange particles, the code of this module is called: `Processes` for islands,
@@ -40,8 +40,8 @@ pub trait Distributed: Engine {
     ///
     /// If `sample` is divided among the processes, each process must store the particles of its block, among [blocks of
     /// one size](crate::domain::blocks::Blocks::of_one_size). Otherwise the lead process stores all particles.
-    /// Particles in the stores of other processes are then ignored until the run is first cut, so that each process
-    /// stores only its own particles.
+    /// Particles in the stores of other processes are then ignored until the run is first cut. From then on each
+    /// process stores only its own particles.
     fn share(&mut self, communicator: Arc<dyn Communicator>, sample: &Sample, scene: &Scene);
 
     /// True if each process stores only the particles of its domain; false if the lead process stores all particles.

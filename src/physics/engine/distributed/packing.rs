@@ -1,5 +1,5 @@
 //! Packing the particles of a process into bytes that can be stored, and distributing stored parts to any number of
-//! processes.
+//! processes. The lead process is process 0.
 
 use super::CrossRankContact;
 use super::domains::Domains;
@@ -51,7 +51,7 @@ pub fn add_received_contacts<S: Solve>(
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     /// Distributes a part of a stored run, which the lead process has read as `bytes`, to the processes that own the
     /// blocks (regions of the box). Returns to each process the bytes with its particles and their contacts. All
-    /// processes must call this function, the others with empty `bytes`.
+    /// processes must call this function; all but the lead process pass empty `bytes`.
     pub fn deal<S: Solve<Carried = C>>(&self, bytes: &[u8], domain: &Domain) -> Vec<u8> {
         let mut outgoing = vec![Vec::new(); self.communicator.size()];
         let mut part = Particles::default();

@@ -1,6 +1,6 @@
-//! Processes that share a run, with the operations that islands (groups of particles that may meet) require. By default
-//! the run has a single process, and the operations do nothing. Islands are found in parts (pieces) of a window, the
-//! time between two exchanges with the gas.
+//! Processes that share a run, with the operations that islands (groups of particles that may meet) require. The lead
+//! process is process 0. By default the run has a single process, and the operations do nothing. Islands are found in
+//! parts (pieces) of a window, the time between two exchanges with the gas.
 
 use super::CrossRankContact;
 use super::agreement::PartDecision;
@@ -44,13 +44,13 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_mut()
     }
 
-    /// Division of the run among processes while each process stores only the particles of its domain; otherwise
-    /// `None`.
+    /// Division of the run among processes while each process stores only the particles of its block (region of the
+    /// box); otherwise `None`.
     fn cut_domains(&self) -> Option<&Domains<C>> {
         self.domains.as_ref().filter(|domains| domains.is_cut)
     }
 
-    /// True if each process stores only the particles of its domain, a block of the box.
+    /// True if each process stores only the particles of its block (region of the box).
     pub fn is_cut(&self) -> bool {
         self.cut_domains().is_some()
     }
@@ -138,8 +138,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Distributes the particles from the lead process to the owners of their domains, if the lead process still stores
-    /// all particles.
+    /// Distributes the particles from the lead process to the processes that own their blocks (regions of the box), if
+    /// the lead process still stores all particles.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
             domains.cut(solver, work);
@@ -213,7 +213,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Removes the copies of particles of other processes, and the contacts of such copies, after a part (piece of the
-    /// time between two exchanges with the gas) with valid results. Indices in `members` are adapted.
+    /// time between two exchanges with the gas) with valid results. The indices in `members`, a list of members of
+    /// islands, are adapted.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

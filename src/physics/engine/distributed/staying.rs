@@ -50,7 +50,8 @@ impl<C: Copy> Domains<C> {
     }
 
     /// Removes the copies of particles of other processes, and the contacts of such copies, after a part (piece of the
-    /// time between two exchanges with the gas) with valid results. Indices in `members` are adapted.
+    /// time between two exchanges with the gas) with valid results. The indices in `members`, a list of members of
+    /// islands, are adapted.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

@@ -1,8 +1,10 @@
-//! Shared uniform steps: each process moves the particles of its block, a part of the box.
+//! Shared uniform steps: each process moves the particles of its block, a part of the box. Process 0 is the lead
+//! process.
 //!
-//! When the neighbour list is built, a process borrows copies of the particles that its own particles may touch before
-//! the list is built again. A contact across the border of two blocks is computed in both processes. The two results
-//! agree in all bits, because the particles of each process are in the same order as in the list of all particles.
+//! When the neighbour list (the pairs that may touch soon) is built, a process borrows copies of the particles that its
+//! own particles may touch before the list is built again. A contact across the border of two blocks is computed in
+//! both processes. The two results agree in all bits, because the particles of each process are in the same order as in
+//! the list of all particles.
 //!
 //! After every kick (change of velocities by forces) the processes exchange the largest speed, and tell each other if
 //! one of them has failed. If forces acted on an own particle that another process borrows, its new velocity is then

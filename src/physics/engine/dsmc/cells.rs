@@ -20,7 +20,7 @@ const EDGE: f64 = 1.0 / 3.0;
 /// may contain fewer particles at the same probability.
 const PER_CELL: f64 = 20.0;
 
-/// Smallest mean number of particles in a cell that is chosen; no pairs exist in cells with fewer than two.
+/// Smallest mean number of particles per cell that the program chooses; a cell with fewer than two has no pair.
 const FEWEST: f64 = 2.0;
 
 /// Number of cells between two walls at which no error of the mean flow was seen. In a pipe 1.6 mean free paths wide,
@@ -95,9 +95,9 @@ impl RadiusSummary {
         self.range[0] < self.range[1]
     }
 
-    /// [m] mean free path 1/(√2 n σ χ) of all particles in a volume [m³]. n is the number density, and σ the mean
-    /// cross-section of two particles. χ is the Enskog factor, or 1 if `enskog` is false. The path is infinite for a
-    /// single particle.
+    /// [m] mean free path 1/(√2 n σ χ) of the particles if they fill a volume [m³] uniformly. n is the number density,
+    /// and σ the mean cross-section of two particles. χ is the Enskog factor, or 1 if `enskog` is false. The path is
+    /// infinite for a single particle.
     pub fn mean_free_path(&self, volume: f64, enskog: bool) -> f64 {
         let [mean, square] = self.mean;
         let filled = (self.volume / volume).min(DENSEST);
@@ -326,7 +326,8 @@ mod tests {
 
     /// The mean free path of N spheres of diameter d in the volume V is V/(√2 N π d²): 2.25 m at a height of 10 m, and
     /// 4.5 m at 20 m. With a third of this path as the edge, there would be 13 cells between the walls in both cases.
-    /// Cells hold 20 particles times the ratio of their edge to this third, here 13/24.
+    /// With 24 cells between the walls, a cell holds 20 particles times 13/24, the ratio of its edge to a third of this
+    /// path.
     #[test]
     fn at_least_24_cells_lie_between_two_walls() {
         for height in [10.0, 20.0] {

@@ -189,8 +189,9 @@ fn fly_among_walls(
     }
 }
 
-/// [s] longest piece of a flight, of which `left` [s] are left, in which all images of a body that the particle may
-/// reach are tested: the particle flies over at most one period of the box. Infinite without such bodies.
+/// [s] longest time for which the particle may fly before near walls are searched again, if `left` [s] of its flight
+/// remain. In this time it moves by at most one period of the box. So all periodic images of walls that it may reach
+/// are tested. Infinite if no wall has images, and in a sheared box.
 fn longest_piece(scene: &Scene, flight: &Flight, left: f64) -> f64 {
     let domain = &scene.domain;
     let has_images = scene.walls.iter().any(|wall| matches!(wall.geometry, WallGeometry::Repeated(_)));

@@ -124,7 +124,7 @@ impl EventLoop {
     /// Moves the particles from collision to collision through a part of a window. The loop stops early if a particle
     /// becomes faster than its speed limit in `bounds`, or if an inelastic collapse is detected. Returns the time
     /// reached [s since the start of the part, an interval of time], and the index of the particle that became too
-    /// fast, if any.
+    /// fast, or `None`. The error is an inelastic collapse.
     pub fn run(
         &mut self,
         particles: &mut Particles,

@@ -1,5 +1,5 @@
 //! Impulse of a collision of hard spheres: the instantaneous change of momentum. A window is the time between two
-//! exchanges with the gas.
+//! exchanges with the gas. The ledger holds the sums of energies and impulses of a run.
 
 use crate::encounter::{AtWall, Couple, Encounter, Other, WallMotion};
 use crate::particles::Particles;
@@ -11,7 +11,8 @@ use std::ops::Deref;
 
 /// Impulse on body i [kg m/s] from a body j that it approaches, without rotation. The normal part is J_n = (1+e) M
 /// |u_n|, with the restitution e at the normal speed |u_n|. The tangential part acts against the slip **u**_t, with the
-/// magnitude J_t = min(μ J_n, M |u_t|) and the friction μ. These are Eq. 4 of the paper and the Coulomb law below it.
+/// magnitude J_t = min(μ J_n, M |u_t|) and the friction μ. These are Eq. 4 of the paper discussed in docs/paper.md, and
+/// the Coulomb law below that equation.
 ///
 /// `velocity` is the relative velocity u = u_i - u_j [m/s], and the unit vector `normal` points from j to i.
 /// `effective_mass` is M [kg]; for a wall it is the mass of the particle.

@@ -1,5 +1,5 @@
-//! Hard spheres with time steps: a method of the literature, to which the paper refers. A window is the time between
-//! two exchanges with the gas.
+//! Hard spheres with time steps: a method of the literature, to which the paper that docs/paper.md discusses refers. A
+//! window is the time between two exchanges with the gas.
 
 use super::impulse::Collision;
 use crate::clock::Clock;
@@ -18,11 +18,12 @@ use std::f64::consts::PI;
 /// Hard spheres with time steps. Particles fly for a step Δt. Then every pair that overlaps and approaches receives the
 /// impulse of hard spheres; positions are not corrected.
 ///
-/// The step is Δt < θ d/u_r (section 3.4 of the paper), with the diameter d and u_r = sqrt(8 q²/(3π)). This is Eq. 8 of
-/// the paper, corrected: there, q² is outside the square root. In each time window the step is computed from the
-/// agitation q² of all particles, relative to one another and to the walls. The method misses grazing collisions that
-/// begin and end within a step, acts up to Δt late, and leaves overlaps. It is included to show these errors. Missed
-/// collisions are counted, and impacts record the overlaps.
+/// The step is Δt < θ d/u_r (section 3.4 of the paper), with the diameter d and the mean normal speed u_r = sqrt(8
+/// q²/(3π)) of one particle relative to another. This is Eq. 8 of the paper, corrected: in the paper, q² is outside the
+/// square root. In each time window the step is computed from the agitation q², half the mean square of the velocities
+/// of all particles relative to their mean velocity along the walls. The method misses grazing collisions that begin
+/// and end within a step, computes collisions up to Δt late, and leaves overlaps. It is included to show these errors.
+/// Missed collisions are counted, and impacts record the overlaps.
 pub struct SteppedHard {
     theta: f64,
     list: NeighbourList,

@@ -10,10 +10,11 @@
 //! * Gravity does not bring the sphere back to the wall that it leaves: 2 e u_n/g_n > θ T_c, with the restitution e and
 //!   the component g_n of gravity towards the wall.
 //!
-//! All other touches, and those at servo walls, begin soft contacts, which are resolved by time steps. θ is the
-//! argument `clearance` of `Hybrid::new`. An impulse thus replaces only a contact that would end before another body
-//! could take part in it. Only soft contacts continue from one window (time between two exchanges with the gas) to the
-//! next. An impulse conserves momentum exactly, and the energy that it dissipates is recorded.
+//! All other touches, and those at servo walls (which move to keep the pressure on them), begin soft contacts, which
+//! are resolved by time steps. θ is the argument `clearance` of `Hybrid::new`. An impulse thus replaces only a contact
+//! that would end before another body could take part in it. Only soft contacts continue from one window (time between
+//! two exchanges with the gas) to the next. An impulse conserves momentum exactly, and the energy that it dissipates is
+//! recorded.
 //!
 //! An island is a group of particles that may meet. A crowd is an island that is too large for local stepping, such as
 //! a bed of particles. It is moved by uniform time steps, while all other particles fly and collide.
@@ -61,7 +62,7 @@ pub struct Impulses {
 
 impl Hybrid {
     /// Makes an engine with the given law, integrator and longest time step [s] of contacts that last. A touch is
-    /// instantaneous if no other body comes near within `clearance` θ [-] contact times.
+    /// instantaneous if no other body can come near within θ contact times; `clearance` is θ [-].
     pub fn new(law: ContactLaw, integrator: Integrator, longest_step: f64, clearance: f64) -> Self {
         let many = Steps { law, integrator, longest: longest_step };
         Self::with(HybridSolver {

@@ -272,8 +272,8 @@ impl<S: Solve> Workbench<S> {
     }
 
     /// Stores the result of the island with the number `which` in a batch. `stopped` is what the solver has returned:
-    /// `None` if the result is valid, or the local index of a particle that exceeded its speed limit or was hit
-    /// unexpectedly.
+    /// `None` if the result is valid, or the index, within the island, of a particle that exceeded its speed limit or
+    /// was hit unexpectedly. An error is the reason why the island was given up.
     pub fn record(
         &mut self,
         batch: &mut Batch<S::Carried>,

@@ -100,7 +100,7 @@ pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.
 
 /// [-] largest shear of a sheared box in one part (interval of time): relative displacement of two particles by the
 /// mean flow, divided by their distance along y. The balls that contain flights are enlarged by about this fraction,
-/// which is thus small.
+/// which must therefore be small.
 const STRAINED: f64 = 0.1;
 
 /// [-] factor by which parts (intervals of time) are shorter in a sheared box, since the balls that contain flights are

@@ -1,7 +1,8 @@
-//! Groups of hot particles that become islands, with bounds on the distance that each member may reach. Particles are
-//! *hot* if they touch something on their straight flight in this part, *cold* if they do not. A part is a piece of a
-//! window, the time between two exchanges with the gas. *Carried* contacts (or recent collisions) continue from one
-//! part to the next. A crowd is a large island that is moved by uniform steps.
+//! Groups of hot particles that become islands, with bounds on the distance that each member may reach. Speeds are
+//! relative to a frame that moves with the mean velocity of all particles along the walls. Particles are *hot* if they
+//! touch something on their straight flight in this part, *cold* if they do not. A part is a piece of a window, the
+//! time between two exchanges with the gas. *Carried* contacts (or recent collisions) continue from one part to the
+//! next. A crowd is a large island that is moved by uniform steps.
 
 mod bounded;
 mod crowd_growth;
@@ -76,8 +77,7 @@ pub struct Cluster {
     pub(in crate::engine) stored: f64,
     /// Largest energy [J] that a single carried contact of the island may give back.
     deepest: f64,
-    /// Lower limit [m/s] of the speed limits of the members. It is raised after a member has exceeded its limit, and 0
-    /// before.
+    /// Lower bound [m/s] of the speed limits of the members: 0 until a member exceeds its limit, then raised.
     pub(in crate::engine) floor: f64,
     /// Time [s] of the first touch in the island since the start of the part (interval of time). Until then all members
     /// fly straight.
@@ -179,8 +179,8 @@ impl<'a> Clusters<'a> {
     }
 
     /// Makes islands of all particles that touch on straight flights or have a carried contact. `carried` contains the
-    /// one or two particles of each contact, and `energy` [J] the energy that it may give back. If `many` is true, all
-    /// contacts form one crowd, an island moved by uniform steps.
+    /// two particles of each contact, or one and `None`, and `energy` [J] the energy that it may give back. If `many`
+    /// is true, all contacts form one crowd, an island moved by uniform steps.
     fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
         self.energy = energy;
         let mut crowd: Option<usize> = None;

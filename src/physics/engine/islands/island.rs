@@ -1,6 +1,6 @@
 //! One island (a group of particles that may meet) as a small scene, which an engine can solve separately. *Hot*
-//! particles are its members; *bystanders* are particles that fly straight unless a member hits them. A part is a piece
-//! of a window, the time between two exchanges with the gas.
+//! particles are its members, which have speed limits relative to a moving frame; *bystanders* are particles that fly
+//! straight unless a member hits them. A part is a piece of a window, the time between two exchanges with the gas.
 
 use super::cluster::VelocityChange;
 use crate::neighbours::NeighbourList;
@@ -23,8 +23,8 @@ pub struct Island<C> {
     pub hot: usize,
     /// True if the island is a crowd, a large island that is moved by uniform steps.
     pub crowd: bool,
-    /// Local indices of all particles, sorted by the index in the particle store. A small island needs no such list, so
-    /// it is empty.
+    /// Local indices of all particles, sorted by the index in the particle store. Empty for a small island, which needs
+    /// no such list.
     by_index: Vec<u32>,
     /// Candidates for contacts: pairs of particles, and particles with walls, that may touch in this part (interval of
     /// time).
@@ -212,8 +212,8 @@ impl<C> Island<C> {
         frame_of(index, self.frame, &self.flow)
     }
 
-    /// Upper limit [m/s] of the difference between two speeds of one particle: relative to a frame with the velocity
-    /// `frame` [m/s], and relative to the frame of the speed limits without mean flow.
+    /// Upper limit [m/s] of the difference between two speeds of any particle. One is relative to a frame with the
+    /// velocity `frame` [m/s], the other relative to the frame of the speed limits without mean flow.
     pub fn apart_from(&self, frame: &Vector3<f64>) -> f64 {
         (frame - self.frame).norm()
     }

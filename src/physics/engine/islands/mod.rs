@@ -217,8 +217,11 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
     /// Moves all particles through the window for as long as islands cost less than the classical algorithm. Returns
     /// the time [s] from the start of the window that is covered in this way. In a dilute scene it is the whole window.
     ///
-    /// A velocity is not a finite number. If the engine fails in an island, the function returns early without an
-    /// error. The classical algorithm then meets the failure again, and stops at the time of the failure.
+    /// If the engine fails in an island, the function returns early without an error. Then the classical algorithm
+    /// meets the failure again, and stops at the time of the failure.
+    ///
+    /// # Errors
+    /// A velocity is not a finite number.
     pub fn advance<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

@@ -1,6 +1,7 @@
 //! Search for hot particles: those that touch something in a part (a piece of the time between two exchanges with the
-//! gas) if all particles fly straight. Every pair that is near enough is checked once. The members of islands (groups
-//! of particles that may meet) are the hot particles.
+//! gas) if all particles fly straight. Every pair that is near enough is checked once. The frame of the search moves
+//! with the mean velocity of all particles along the walls. The members of islands (groups of particles that may meet)
+//! are the hot particles.
 
 use crate::domain::Domain;
 use crate::encounter::{AtWall, Couple, FrameTime, may_meet};
@@ -102,7 +103,7 @@ pub struct Search {
     pub label: Vec<Option<Label>>,
     /// Structure for finding the walls near a point, made in the last search for touches.
     pub near_walls: NearWalls,
-    /// Indices of the particles whose flights come near a wall, in one list per fixed number of consecutive particles.
+    /// Indices of the particles whose flights come near a wall, in one list for each chunk of consecutive particles.
     /// All particles are listed if some wall is not flat.
     beside_walls: Vec<Vec<u32>>,
 }
@@ -324,8 +325,8 @@ pub struct SearchInterval {
     elapsed: f64,
     /// [s] length of the interval.
     part: f64,
-    /// Upper limit [m] of the distances by which gravity moves particles away from their straight flights, and by which
-    /// walls move, in the interval.
+    /// Upper limit [m] of the sum of two distances in the interval: that by which gravity moves particles away from
+    /// their straight flights, and that by which walls move.
     falls: f64,
 }
 

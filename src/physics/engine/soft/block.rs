@@ -59,7 +59,7 @@ pub struct ForceSums {
     pub elastic_energy: f64,
     /// Numbers of contact forces computed and of candidates tested in the evaluation.
     pub done: ForceEvaluation,
-    /// Failure with the smallest ids among the invalid contacts; `None` if all contacts are valid.
+    /// Failure with the smallest ids, if an overlap is too large or a centre has passed a body; otherwise `None`.
     pub failure: Option<Failure>,
 }
 
@@ -94,7 +94,7 @@ pub struct ContactBlock {
     foreseen: Vec<Contact>,
     /// Slots (candidates) of pairs that may overlap before particles have moved by `near_until`, in ascending order.
     near: Vec<u32>,
-    /// [m] motion of particles since the list was built, up to which both near lists are valid; `None`: not valid.
+    /// [m] motion of particles since the list was built, up to which `near` and `near_walls` are valid, or `None`.
     near_until: Option<f64>,
     /// Slots (candidates) of particles that may overlap a wall before particles have moved by `near_until`.
     near_walls: Vec<u32>,
@@ -127,7 +127,7 @@ impl ContactBlock {
         self.slots.contains(&(slot as usize))
     }
 
-    /// Adds a contact of one of the block's candidates. Its bodies may be in the opposite order to the candidate's.
+    /// Adds a contact of one of the block's candidates. The order of its two bodies may differ from that in the list.
     pub fn put(&mut self, contact: &Contact, list: &NeighbourList) {
         let Contact { touch, course, slot } = *contact;
         let course = if list.couple(slot as usize) == touch.couple { course } else { course.reversed() };

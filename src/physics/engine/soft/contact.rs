@@ -24,7 +24,7 @@ pub fn overlap_limit(flat: bool) -> f64 {
 pub const SHORT: f64 = 0.4;
 
 /// Failure of the particle at index `i`, whose centre passes through wall `wall` within one step, reported for `time`
-/// [s]. The step is a straight line of `length` [m]. The reported ratio of overlap to diameter is 0.5, that for a
+/// [s]. The step is a straight line of `length` [m]. The reported ratio of overlap to diameter is 0.5, the value for a
 /// centre on the surface.
 pub fn passed(particles: &Particles, i: usize, (wall, time): (u32, f64), length: f64) -> Failure {
     let (limit, diameter) = (overlap_limit(false), 2.0 * particles.radius[i]);

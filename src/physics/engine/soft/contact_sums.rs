@@ -161,7 +161,7 @@ impl ContactSums {
         self.is_empty = false;
     }
 
-    /// Powers [W], forces [N] and virial [N m], summed over all contacts.
+    /// Powers [W], forces [N] and virial (products of force and distance [N m]), summed over all contacts.
     pub fn rates(&self) -> Rates {
         if self.is_empty {
             return Rates::default();

@@ -63,8 +63,8 @@ pub struct EvaluationTime {
     /// [s] time of the velocities, since the start of the window. The velocities do not yet contain gravity over this
     /// time.
     pub fall: f64,
-    /// [s] time from the given velocities to the middle of the kick (change of velocities by forces), for which powers
-    /// are computed.
+    /// [s] time from the instant of the given velocities to the middle of the kick (change of velocities by forces).
+    /// Powers are computed for that middle.
     pub to_middle: f64,
     /// [-] fraction of the time step for which these forces act in the kick (change of velocities) that follows.
     pub weight: f64,
@@ -443,7 +443,7 @@ impl Contacts {
     }
 
     /// Records the sums over all steps of `dt` [s] since the last call. Of several processes, only the lead process
-    /// records.
+    /// (number 0) records.
     pub fn book(&mut self, dt: f64, book: &mut StepRecord, ghosts: &dyn GhostExchange) {
         let mut total = std::mem::take(&mut self.total);
         ghosts.gather(&mut total);

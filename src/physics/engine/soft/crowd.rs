@@ -1,5 +1,5 @@
 //! Crowd: an island (group of particles that may meet) that is too large for local stepping. Its particles are moved by
-//! uniform steps, as if there were no others. A window is the time between two exchanges with the gas.
+//! uniform steps, as if no other particles existed. A window is the time between two exchanges with the gas.
 
 use super::backoff::{Rival, stages};
 use super::contacts::StepRecord;
@@ -34,7 +34,8 @@ impl Steps {
 
 /// Moves a crowd (a large island) by uniform steps for `end` [s] from the beginning of the window. The result is valid,
 /// and the function returns `None`, if no member exceeds its speed limit and no other particle is hit. Otherwise it
-/// returns the local index of one such particle, and stores the others in [`Island::also`].
+/// returns the local index of one such particle, and stores the others in [`Island::also`]. The index 0 then stands for
+/// all members that are too fast.
 ///
 /// # Errors
 /// Returns the failure of the uniform steps.

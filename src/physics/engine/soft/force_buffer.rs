@@ -124,7 +124,8 @@ impl ForceBuffer {
     }
 
     /// Removes the forces on particles for which `chosen`, by index, is false. At least one particle of each contact
-    /// must be chosen. If only particle j is chosen, it becomes particle i of its entry.
+    /// must be chosen. If only particle j is chosen, it becomes particle i of its entry, and the force changes its
+    /// sign.
     pub fn leave(&mut self, chosen: &[bool]) {
         let is_chosen = |index: u32| chosen[index as usize];
         for (k, push) in self.list.iter_mut().enumerate() {

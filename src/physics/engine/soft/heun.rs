@@ -1,5 +1,5 @@
 //! Uniform steps of soft spheres by Heun's method, a second-order Runge-Kutta scheme, included for comparison with the
-//! paper.
+//! paper that docs/paper.md describes.
 
 use super::contacts::{EvaluationTime, StepRecord};
 use super::{SoftSolver, Window, instant};

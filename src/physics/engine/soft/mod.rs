@@ -55,14 +55,14 @@ const UNIFORM_COST: f64 = 5.0;
 /// Uniform stepping is velocity Verlet in its kick-drift-kick form, in which two successive half-kicks are one kick.
 /// Within a window, velocities are therefore those of half steps, and forces are applied only to particles in contact.
 /// The dashpot uses the half-step velocity. This is stable for ω_0 Δt < 2(sqrt(1+ζ²) - ζ), with the undamped angular
-/// frequency ω_0 and damping ratio ζ of a contact. Heun's method (RK2) is included for comparison with the paper.
+/// frequency ω_0 and damping ratio ζ of a contact. Heun's method (RK2) serves the comparisons in docs/paper.md.
 pub type Soft = Driver<SoftSolver>;
 
 /// Solver of soft spheres: islands by local stepping, all particles at once by uniform stepping.
 pub struct SoftSolver {
     stepping: SoftStepping,
     pub(in crate::engine) islands: SoftIslands,
-    /// Pause, in windows, in which islands are not tried because they cost more than uniform steps (stepping `Auto`).
+    /// Number of windows in which islands are not tried, because they cost more than uniform steps (stepping `Auto`).
     patience: Backoff,
     /// Number of uniform steps since the start of the run.
     steps: u64,
@@ -72,8 +72,8 @@ pub struct SoftSolver {
     pub(in crate::engine) list: NeighbourList,
     pub(in crate::engine) contacts: Contacts,
     /// True if the contacts in progress are stored in `contacts` alone, because the last steps were uniform. False if
-    /// they are stored elsewhere. If processes share the steps, it is false too, and `contacts` contains copies of the
-    /// contacts.
+    /// the driver stores them. If processes share the steps, the value is false too, and `contacts` contains copies of
+    /// the contacts.
     keeps_contacts: bool,
     /// Forces of the last evaluation. At the end of a window, these are the forces of the first half-kick (change of
     /// velocities over half a step) of the next window (Verlet).
@@ -91,7 +91,7 @@ pub struct SoftSolver {
     ids: Vec<u32>,
     /// True if `pushes` contains the forces of the present state (Verlet).
     pub(in crate::engine) has_forces: bool,
-    /// True if uniform steps, not islands, moved the particles last.
+    /// True if the particles were last moved by uniform steps, not by islands.
     pub(in crate::engine) ran_last: bool,
     /// Mass, species and contact constants of every particle, if they are the same for all; otherwise `None`.
     pub(in crate::engine) alike: Option<Alike>,
@@ -329,8 +329,8 @@ impl SoftSolver {
         Ok(())
     }
 
-    /// Estimates the work of uniform steps of all `particles` for `time` [s] of simulated time. In this time, islands
-    /// computed `forces` contact forces by local steps, and crowds (large islands) `of_crowds` forces by uniform steps.
+    /// Estimates the work of uniform steps of `particles` particles for `time` [s] of simulated time. In this time,
+    /// islands computed `forces` contact forces by local steps, and crowds (large islands) `of_crowds` forces.
     fn uniform_work(&self, particles: usize, time: f64, [forces, of_crowds]: [u64; 2]) -> Rival {
         let stages = stages(self.integrator);
         let local = self.islands.stages().len() as f64;
@@ -371,7 +371,7 @@ impl Solver for SoftSolver {
     }
 
     /// Finds the contacts in progress at the start of a run. Uniform steps need no such search: their first evaluation
-    /// finds them.
+    /// finds the contacts.
     fn begin(&mut self, work: &mut Work<Contact>, window: Window) {
         if self.stepping != SoftStepping::Uniform {
             self.rebuild(work.particles, work.scene, self.longest_step.min(window.duration));

@@ -8,7 +8,8 @@ use crate::scene::Scene;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Sums over contacts: powers [W], forces of walls on particles [N], and the virial of pairs [N m].
+/// Sums over contacts: powers [W], forces of walls on particles [N], and the virial of pairs (sum of the products of
+/// distance and force) [N m].
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Rates {
     pub pair_restitution: f64,

@@ -215,8 +215,8 @@ impl Mesh {
         }
     }
 
-    /// The point of the surface nearest to `point` [m], if its distance is at most `reach` [m]. If several triangles
-    /// are equally near, the triangle with the lowest index is used.
+    /// The point of the surface nearest to `point` [m], if its distance is at most `reach` [m]; otherwise `None`. If
+    /// several triangles are equally near, the triangle with the lowest index is used.
     fn first(&self, point: &Vector3<f64>, reach: f64) -> Option<TrianglePoint> {
         let first: Cell<Option<TrianglePoint>> = Cell::new(None);
         let least = || first.get().map_or(reach, |first| first.distance);

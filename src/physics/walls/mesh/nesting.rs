@@ -1,5 +1,5 @@
-//! Closed parts of a surface inside other closed parts. A part inside an odd number of others bounds a cavity, and its
-//! triangles must face into the cavity.
+//! Closed parts (connected groups of triangles) of a surface inside other closed parts. A part inside an odd number of
+//! others bounds a cavity, and its triangles must face into the cavity.
 
 use super::surface::{Edges, Findings, Numbered};
 use super::{Sides, Tree};

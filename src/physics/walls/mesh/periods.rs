@@ -143,8 +143,7 @@ fn open_edges(heap: &[[Vector3<f64>; 3]]) -> Vec<Edge> {
     open.into_iter().map(|(_, (_, edge))| edge).collect()
 }
 
-/// [m] distance of a corner of `edges` from the nearest edge of `others`, for the corner with the largest such
-/// distance.
+/// [m] largest distance of any corner of `edges` from the edge of `others` that is nearest to this corner.
 fn farthest(edges: &[Edge], others: &[Edge]) -> f64 {
     let corners: FxHashSet<[u64; 3]> = others.iter().flatten().map(bits).collect();
     let alone = edges.iter().flatten().filter(|corner| !corners.contains(&bits(corner)));

@@ -1,5 +1,5 @@
 //! Surface made from a list of triangles. Corners with the same coordinates are merged, and bad triangles are counted
-//! and removed. Neighbours are found and flipped to face the same way.
+//! and removed. Neighbouring triangles are found and made to face the same way.
 
 use super::nesting::{Nested, face_particles};
 use super::orientation::face_alike;
@@ -11,9 +11,9 @@ use std::ops::Range;
 /// [-] height of a triangle divided by its longest edge. A triangle with a smaller ratio counts as degenerate, because
 /// the rounding of its corners would determine its normal. In a file in single precision this rounding is 6e-8.
 const THINNEST: f64 = 1e-9;
-/// [-] depth of a neighbour's corner below the plane of a triangle, over the longest edge of the two. The corner is the
-/// one that is not on their common edge. At larger depths a sphere can touch the common edge without touching a face,
-/// so the edge is tested for touch. Flatter edges need no test, because triangles are enlarged by
+/// [-] depth of a neighbour's corner below the plane of a triangle, over the longest edge of the two triangles. The
+/// corner is the one that is not on their common edge. At larger depths a sphere can touch the common edge without
+/// touching a face, so the edge is tested for touch. Flatter edges need no test, because triangles are enlarged by
 /// [`COVER`](super::sweep::COVER).
 const SHARP: f64 = 1e-12;
 
@@ -42,8 +42,8 @@ pub struct Findings {
     /// Triangles that faced the opposite way to their neighbours, and are flipped: how many they are, and the number of
     /// the first.
     pub turned: (usize, usize),
-    /// True if a closed part that should face outwards faced inwards, and was flipped. A part should face outwards if
-    /// the number of parts around it is even or zero.
+    /// True if a closed part (connected group of triangles) that should face outwards faced inwards, and was flipped. A
+    /// part should face outwards if the number of parts around it is even or zero.
     pub inside_out: bool,
     /// Closed parts of the surface that lie inside other parts.
     pub nested: Nested,
@@ -81,7 +81,7 @@ pub enum Fault {
         /// Number of triangles in the list.
         given: usize,
     },
-    /// The surface is not closed, so it has no inside, but the case asks for one.
+    /// The surface is not closed, so it has no inside, but the case requires one.
     #[error(
         "it is not watertight, so it has no inside and no outside: {} of its edges belong to one triangle only, {} to more than two, and \
          at {} the triangles cannot face the same way", .0.open_edges, .0.crowded_edges, .0.twisted_edges
@@ -140,7 +140,8 @@ pub(super) type Edges = FxHashMap<[u32; 2], Vec<(u32, usize)>>;
 
 impl TriangleSurface {
     /// Makes a surface of triangles, given by their corners [m]. With `None` for `sides`, a closed surface is a solid
-    /// body, and an open surface is a thin sheet.
+    /// body, and an open surface is a thin sheet. Also returns the side of the particles and the defects that were
+    /// found.
     ///
     /// # Errors
     /// If the triangles do not form a surface, or if `sides` requires an inside and the surface has none.

@@ -53,7 +53,8 @@ impl Mesh {
         first
     }
 
-    /// Distance [m] and normal of `point` [m] relative to a face, edge or corner, whose number [`numbered`] gives.
+    /// Distance [m] and normal of `point` [m] relative to a face, edge or corner, given by its number as [`numbered`]
+    /// computes it.
     pub(super) fn at(&self, number: u32, point: &Vector3<f64>) -> Nearest {
         let face = &self.surface.faces[number as usize / 8];
         let corner = |k: u32| self.surface.points[face.corners[k as usize % 3] as usize];
@@ -166,8 +167,9 @@ fn is_above(face: &Face, corners: &[Vector3<f64>; 3], point: &Vector3<f64>) -> b
     face.inward.iter().zip(corners).all(|(inward, corner)| inward.dot(&(point - corner)) >= least)
 }
 
-/// [s] time at which a sphere in straight flight touches the edge between two points [m]; `None` if it does not. Touches
-/// of the end points are not found. The second value is always `None`; it exists because [`on_bar`] returns a pair.
+/// [s] time at which a sphere in straight flight touches the edge between two points [m]; `None` if it does not.
+/// Touches of the end points are not found. The second value is always `None`; it exists because [`on_bar`] returns a
+/// pair.
 fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Option<(f64, Option<usize>)> {
     let length = (to - from).norm();
     let along = (to - from) / length;
@@ -181,6 +183,7 @@ fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Optio
 
 /// [s] time at which a sphere in flight with gravity touches the edge between two points [m] of a convex part of the
 /// surface. The end points are included. If the sphere touches an end point, its number (0 or 1) is also returned.
+/// `None` without a touch.
 fn on_bar(ends: [Vector3<f64>; 2], flight: &Flight, radius: f64, until: f64) -> Option<(f64, Option<usize>)> {
     let along = ends[1] - ends[0];
     let share = |point: &Vector3<f64>| ((point - ends[0]).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);

@@ -1,8 +1,9 @@
 //! Walls whose shape moves: translation, vibration, a path, or rotation about an axis.
 //!
-//! The motion is an exact function of time, for a servo wall within each window (time between two exchanges with the
-//! gas). A [`Scene`](crate::scene::Scene) belongs to an instant, and so does the geometry of its walls
-//! ([`Wall::move_to`]). Engines can also ask for the wall at the time `ahead` [s] after that instant.
+//! The motion is an exact function of time. For a servo wall, which keeps the pressure on it, this holds only within a
+//! window (time between two exchanges with the gas). A [`Scene`](crate::scene::Scene) belongs to an instant, and so
+//! does the geometry of its walls ([`Wall::move_to`]). The functions of a wall also give its state at the time `ahead`
+//! [s] after that instant.
 
 mod arcs;
 mod motion;
@@ -37,8 +38,8 @@ pub struct MovingShape {
 }
 
 impl MovingShape {
-    /// Makes a moving shape at its place of time 0. `shape` is the shape where the case puts it. `None` for the
-    /// rotation of an endless shape, whose points would have no largest speed.
+    /// Makes a moving shape at its place of time 0. `shape` is the shape at the place where the case puts it. `None`
+    /// for the rotation of an endless shape, whose points would have no largest speed.
     pub fn new(shape: WallGeometry, motion: PrescribedMotion) -> Option<Self> {
         let arm = match &motion {
             PrescribedMotion::Turning(turning) => {
@@ -158,8 +159,8 @@ impl MovingShape {
         }
     }
 
-    /// First touch for a shape on a path. The shape has a constant velocity between two knots (given instants of the
-    /// path).
+    /// First touch for a shape on a path, as [`Geometry::first_touch`] defines it. The shape has a constant velocity
+    /// between two knots (given instants of the path).
     fn touch_on(
         &self,
         path: &PiecewisePath,
@@ -353,8 +354,8 @@ impl Wall {
         self.moving.as_ref().map_or(0.0, |moving| moving.travel(duration))
     }
 
-    /// Nearest point of contact number `which` to the centre `point` [m] of a sphere of `radius` [m], at the time
-    /// `ahead` [s] after the instant of the wall's scene.
+    /// Nearest point of the wall in contact number `which` of a sphere with the centre `point` [m] and the radius
+    /// `radius` [m], at the time `ahead` [s] after the instant of the wall's scene.
     #[inline(always)]
     pub fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64, ahead: f64) -> Nearest {
         match &self.moving {

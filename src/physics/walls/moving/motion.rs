@@ -29,7 +29,7 @@ pub enum PrescribedMotion {
         /// [rad] phase φ at time 0.
         phase: f64,
     },
-    /// Displacement that is linear between given instants.
+    /// Displacement that is linear in time between given instants, the knots.
     Path(Arc<PiecewisePath>),
     /// Rotation about an axis at a constant angular velocity. At time 0 the shape is where its case puts it.
     Turning(Turning),
@@ -49,8 +49,8 @@ impl PrescribedMotion {
         }
     }
 
-    /// [m/s] velocity at `time` [s] of the shape's material point that is at `point` [m] then. At a knot of a path it
-    /// is the velocity after the knot.
+    /// [m/s] velocity, at `time` [s], of the material point of the shape that is then at `point` [m]. At a knot of a
+    /// path it is the velocity after the knot.
     pub fn velocity(&self, point: &Vector3<f64>, time: f64) -> Vector3<f64> {
         match self {
             Self::Translation { velocity } => *velocity,

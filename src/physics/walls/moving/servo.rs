@@ -31,7 +31,7 @@ pub struct ServoState {
     pub time: f64,
     /// [m] displacement of the plane along its normal since the start; positive towards the particles.
     pub displacement: f64,
-    /// [m/s] speed of the plane along its normal from this time on.
+    /// [m/s] speed of the plane along its normal from this measurement on; positive towards the particles.
     pub speed: f64,
     /// [Pa] measured pressure p_m of the particles on the plane.
     pub pressure: f64,

@@ -48,8 +48,8 @@ impl VibratingGap {
     }
 
     /// [s] first time in 0 ..= `until` at which the gap falls to zero; `None` if it does not. A sphere that overlaps
-    /// and approaches touches at 0. A rate of change below `resolution` [m/s] counts as rounding. A sphere that touches
-    /// and has so small a rate touches at 0 if sphere and wall accelerate towards each other.
+    /// the plane and approaches it touches at time 0. A rate of change below `resolution` [m/s] counts as rounding. A
+    /// sphere in contact with so small a rate touches at time 0 if sphere and plane accelerate towards each other.
     pub fn first_touch(&self, until: f64, resolution: f64) -> Option<f64> {
         // as on a plane at rest, an overlap without approach is rounding
         let here = Self { gap: self.gap.max(0.0), ..*self };
@@ -113,7 +113,8 @@ impl VibratingGap {
         after(sine.asin()).min(after(PI - sine.asin())).max(t * (1.0 + f64::EPSILON))
     }
 
-    /// [s] first touch between the times `from` and `to` [s], between which the rate of change of the gap is monotone.
+    /// [s] first touch between the times `from` and `to` [s], between which the rate of change of the gap is monotone;
+    /// `None` without a touch.
     fn touch_between(&self, from: f64, to: f64) -> Option<f64> {
         let (before, after) = (self.rate(from), self.rate(to));
         let extreme = || {

@@ -44,7 +44,7 @@ pub struct Layout {
 enum Meaning {
     /// Property with this index in [`COLUMNS`]. A column with several words also fills the following indices.
     Known(usize),
-    /// Position along an axis as a fraction of the box size.
+    /// Position along an axis (0: x, 1: y, 2: z) as a fraction of the box size.
     Scaled(usize),
     /// Number of a species, counted from 1.
     Type,
@@ -120,7 +120,7 @@ impl Layout {
     /// that the column `name` has in a line.
     ///
     /// # Errors
-    /// In words: the column repeats another column.
+    /// A message in words: the column repeats another column.
     pub fn push(&mut self, name: &str, width: usize) -> Result<(), String> {
         let first = self.width;
         self.width += width;

@@ -52,8 +52,8 @@ impl ForeignReader<'_> {
         Ok(self.dump_instant(lines, last)?.start)
     }
 
-    /// Reads the particles of one instant of a dump. `instant` contains the headings of this instant and their lines,
-    /// which have been found before.
+    /// Reads the particles of one instant of a dump. `instant` contains the items of this instant except the atoms, and
+    /// the indices of their lines, as [`dump_instants`](Self::dump_instants) finds them.
     pub(super) fn dump_instant(&mut self, lines: &Lines, instant: &DumpFrame) -> Result<ForeignInstant, Diagnostic> {
         let (Some((count, _)), Some(header)) = (instant.count, instant.atoms) else {
             return Err(self.wrong(lines, instant.first, "this instant has no atoms", HELP));

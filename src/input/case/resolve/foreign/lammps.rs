@@ -257,7 +257,7 @@ impl ForeignReader<'_> {
     }
 }
 
-/// True for a word that stands only in lines about the box, in capitals too.
+/// True for a word that occurs only in lines about the box, in small letters or in capitals.
 fn of_box(word: &str) -> bool {
     SIDES.iter().flatten().chain(&["xy", "xz", "yz"]).any(|name| name.eq_ignore_ascii_case(word))
 }

@@ -5,7 +5,7 @@ use super::Member;
 use super::bounded::BoundedIslands;
 
 /// [-] largest gap between a member of a crowd and a particle that is added to the crowd, over the distance of their
-/// centres at touch. In a gas few particles are so near, so this costs little. Without the rule, the crowd would be
+/// centres at touch. In a gas few particles are so near, so adding them costs little. Otherwise the crowd would be
 /// solved again for each particle that it pushes.
 const BESIDE: f64 = 0.05;
 

@@ -1,5 +1,6 @@
 //! Speed limits of the particles of an island (a group of particles that may meet), and the largest distances that
-//! these particles may reach.
+//! these particles may reach. Speeds are relative to the moving frame, whose velocity is the mean velocity of all
+//! particles along the walls.
 
 use super::{BATCH, Cluster, Clusters, Member};
 use crate::domain::Domain;
@@ -24,8 +25,9 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Distance [m] around an island within which a process must know all particles to solve the island. Then it knows
-    /// all paths that may meet the island, and which particles touch something on their straight flight.
+    /// Distance [m] around an island within which a process must store all particles to solve the island. The process
+    /// then has all paths that may meet the island, and can find the particles that touch something on their straight
+    /// flight.
     pub fn search_radius(&self) -> f64 {
         self.around.max(self.flight) + 2.0 * self.flight
     }
@@ -81,8 +83,8 @@ impl Clusters<'_> {
         (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
     }
 
-    /// Computes, for all islands in parallel, the distances that their members may reach. This is possible because the
-    /// data of an island depend only on its members, and those of a member only on its island.
+    /// Computes, for all islands in parallel, the distances that their members may reach. They can be computed in
+    /// parallel, because the data of an island depend only on its members, and those of a member only on its island.
     pub(super) fn settle_all(&mut self) {
         let mut clusters = std::mem::take(&mut self.list);
         work_sharing::for_each(clusters.chunks_mut(BATCH), |some| {
@@ -178,8 +180,8 @@ impl Clusters<'_> {
         theirs.map(|which| self.room(which)).fold(f64::INFINITY, f64::min)
     }
 
-    /// True if the island with the number `which` has not been united with another one, and has a member for whose index
-    /// in the store `chosen` returns true.
+    /// True if the island with the number `which` has not become a part of another one, and has a member for whose
+    /// index in the store `chosen` returns true.
     pub(in crate::engine) fn has(&self, which: usize, chosen: &impl Fn(u32) -> bool) -> bool {
         let Cluster { alive, hot, .. } = &self.list[which];
         *alive && hot.iter().any(|&member| chosen(self.members[member as usize].index))

@@ -64,8 +64,8 @@ pub struct TracedIslands<'a> {
     /// Velocity changes of the members of all solved islands. Those of one member follow one another in the order of
     /// time.
     turns: Vec<VelocityChange>,
-    /// Balls that contain paths after the first velocity change, in cells. The first entry is for all members. The
-    /// second is for members whose islands have been solved more than once.
+    /// Balls that contain paths after the first velocity change, sorted into cells. The first entry is for all members.
+    /// The second is for members whose islands have been solved more than once.
     deflected: [DeflectedFlights; 2],
 }
 
@@ -193,7 +193,7 @@ impl TracedIslands<'_> {
 
     /// Unites solved islands with the islands and single particles that their trajectories meet; the united islands
     /// must be solved again. Returns the number of results that became invalid; `None` if an island is too large. An
-    /// island is counted only if its leader, the member with the smallest id, satisfies `mine`.
+    /// island is counted only if `mine` returns true for the index of its leader, the member with the smallest id.
     fn unite_meeting(&mut self, mine: impl Fn(u32) -> bool) -> Option<u64> {
         let is_new = |which: &usize| {
             let cluster = &self.list[*which];
@@ -258,7 +258,7 @@ impl TracedIslands<'_> {
     }
 
     /// Indices in the store of the particles outside the island `which` that touch one of its members on their
-    /// trajectories. `None` if a member could meet an image other than the nearest.
+    /// trajectories. `None` if a member could meet a periodic image of a particle other than the nearest image.
     fn met_by(&self, which: usize) -> Option<Vec<u32>> {
         let mut met = Vec::new();
         // in the first round the surroundings of every island are searched: a search around a deflected flight finds

@@ -1,10 +1,11 @@
 //! Isolated contact of two bodies without friction, described by one coordinate.
 //!
 //! Two spheres without friction conserve their angular momentum about each other, and a sphere at a plane conserves its
-//! velocity along the plane. The only unknown is the distance q. For the linear law with stiffness k_n and damping γ_n,
-//! q'' = l²/q³ + (k_n δ - 2 γ_n M q')/M + g_n, where δ is the overlap and M the effective mass. For pairs, l = q u_t is
-//! the specific angular momentum, with the tangential velocity u_t, and g_n is 0. For walls, l is 0 and g_n is gravity
-//! along the normal. The Runge-Kutta steps are the same as for several contacts, at a tenth of the cost.
+//! velocity along the plane. The only unknown is the distance q of the two centres, or of the centre from the plane.
+//! For the linear law with stiffness k_n and damping γ_n, q'' = l²/q³ + (k_n δ - 2 γ_n M q')/M + g_n, where δ is the
+//! overlap and M the effective mass. For pairs, l = q u_t is the specific angular momentum, with the tangential
+//! velocity u_t, and g_n is 0. For walls, l is 0 and g_n is gravity along the normal. The Runge-Kutta steps are the
+//! same as for several contacts, at a tenth of the cost.
 
 use super::{RungeKuttaStage, crossing};
 use crate::contact_law::{ContactLaw, Law, with_law};

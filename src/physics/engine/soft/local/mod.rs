@@ -1,10 +1,11 @@
 //! Local stepping of one island (group of particles that may meet): straight flight to the first touch, time steps
 //! while bodies touch, then straight flight again. A slot is the number of a candidate (pair, or particle and wall) in
-//! the neighbour list of the island. A part is a piece of a window, the time between two exchanges with the gas.
+//! the neighbour list of the island. A part is a piece of a window, the time between two exchanges with the gas. Times
+//! are counted from the start of the part.
 //!
 //! The instants at which contacts begin and end are found within a step. So no contact begins or ends late, and the
 //! error of the realised restitution has the order of the integrator. The steps are Runge-Kutta of fourth order, or of
-//! second order for comparison with the paper.
+//! second order for comparison with the paper that docs/paper.md describes.
 
 mod alone;
 mod integrate;
@@ -40,7 +41,7 @@ pub struct ReachedTouch<'a> {
     pub met: Encounter,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
-    /// Time of the touch, in the falling frame of the island.
+    /// Time of the touch, in the frame of reference that falls freely from the start of the part.
     pub moment: FrameTime,
     /// [s] time from the touch to the end of the window.
     pub remaining: f64,
@@ -87,7 +88,7 @@ pub struct SoftIslands<I = NoInstants> {
 pub struct Allowance {
     /// [ns/s] share of the largest cost that does not depend on the size of the island.
     pub each: f64,
-    /// [ns/s] share of the largest cost per hot particle, which is a member of the island.
+    /// [ns/s] share of the largest cost per hot particle (member of the island).
     pub per_particle: f64,
 }
 
@@ -201,7 +202,7 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
 }
 
 /// Computation of one island in a part (interval of time) of a window. Velocities are relative to the frame that falls
-/// freely from rest, from the start of the window.
+/// freely, from rest at the start of the part.
 struct IslandRun<'a, I> {
     engine: &'a SoftIslands<I>,
     island: &'a mut Island<Contact>,
@@ -216,8 +217,9 @@ struct IslandRun<'a, I> {
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Moves the island until `end` [s], or until a particle exceeds its speed limit or is touched without being a
-    /// member. Returns the local index of that particle; `None` if the island has reached `end`.
+    /// Moves the island until `end` [s], or until a particle exceeds its speed limit (the bound with which islands were
+    /// found) or is touched without being a member. Returns the local index of that particle; `None` if the island has
+    /// reached `end`.
     fn until(&mut self, end: f64) -> Result<Option<usize>, GivenUp> {
         self.update_gaps();
         while self.now < end {
@@ -299,7 +301,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         (first.0 < left).then_some((self.now + first.0, first.1))
     }
 
-    /// Present time of the island, in the falling frame.
+    /// Present time of the island, in the frame that falls freely from the start of the part.
     fn moment(&self) -> FrameTime {
         FrameTime::in_free_fall(self.now)
     }

@@ -1,6 +1,7 @@
 //! Single contact of an island (group of particles that may meet), without friction: the time for which no other
 //! contact can begin, and the motion until the contact ends. A slot is the number of a candidate (pair, or particle and
-//! wall) in the neighbour list of the island. A window is the time between two exchanges with the gas.
+//! wall) in the neighbour list of the island. Times are counted from the start of the part, a piece of the time between
+//! two exchanges with the gas.
 
 use super::alone::{IsolatedContact, OrbitState};
 use super::{InstantaneousRule, IslandRun, ReachedTouch};
@@ -50,7 +51,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// [s] time from now for which the gap of the slot `slot` (candidate) cannot close; it is valid up to `end` [s]
-    /// after the start of the window. The velocity of each body of `couple` may change by `change` [m/s]. The result is
+    /// after the start of the part. The velocity of each body of `couple` may change by `change` [m/s]. The result is
     /// negative if the gap is closed already.
     fn clear_of(&self, slot: usize, couple: &Couple, change: f64, end: f64) -> f64 {
         let velocity = |index: u32| self.particles.velocity[index as usize];

@@ -1,5 +1,5 @@
-//! Springs with sliders in the contacts of an island (group of particles that may meet) of rotating spheres. The
-//! springs stick or slide, and the instants at which this changes are found within a step.
+//! Springs with sliders (limits of their forces) in the contacts of an island (group of particles that may meet) of
+//! rotating spheres. The springs stick or slide, and the instants at which this changes are found within a step.
 //!
 //! Each contact has a tangential spring, and also a rolling and a twisting spring if contacts resist these motions. The
 //! state of a spring that sticks is its shear ξ: dξ/dt = v + ω_n n × ξ. Here v is the relative velocity that stretches
@@ -33,8 +33,8 @@ pub(super) enum Phase {
 /// State of a spring, and the normal of the contact for which the state is valid.
 #[derive(Clone, Copy, Debug)]
 struct SpringState {
-    /// Shear ξ [m] of a spring that sticks, or direction e [-] of the force of one that slides. It is normal to
-    /// `normal`, or along it for a twisting spring.
+    /// Shear ξ [m] of a spring that sticks, or direction e [-] of the force of one that slides. It is perpendicular to
+    /// `normal`, or along `normal` for a twisting spring.
     vector: Vector3<f64>,
     normal: Vector3<f64>,
 }
@@ -47,18 +47,18 @@ pub struct SlidingContact {
     start: SpringState,
     /// State at the present time of the island.
     now: SpringState,
-    /// Rate of change of the state [unit of the state per s] at the last stage, turned to the normal of `start`.
+    /// Rate of change of the state [its unit per s] at the last Runge-Kutta stage, turned to the normal of `start`.
     rate: Vector3<f64>,
-    /// Weighted mean of the rates of all stages so far.
+    /// Weighted mean of the rates of all stages of the step so far.
     mean: Vector3<f64>,
     /// [m] shear ξ at the present time of the island.
     pub(super) shear: Vector3<f64>,
-    /// Distances from the conditions that end the phase (such as sticking), as a force [N] or a sliding speed [m/s]: at
-    /// the start of the step, and now. The phase ends when one of them becomes negative.
+    /// Distances from two conditions that end the phase (such as sticking), as a force [N] or sliding speed [m/s]. The
+    /// first index is `BEFORE` or `AFTER`. The phase ends when a distance becomes negative.
     margins: [[f64; 2]; 2],
 }
 
-/// Indices in `margins`: at the start of the step, and now.
+/// First index in `margins`: `BEFORE` is the start of the step, and `AFTER` the present time.
 const BEFORE: usize = 0;
 const AFTER: usize = 1;
 
@@ -169,7 +169,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Begins due rolling and twisting resistances, and stores the state from which each trial of a step begins.
+    /// Begins the rolling and twisting resistances that are due, and stores the start state of each trial of a step.
     pub(super) fn keep_springs(&mut self) {
         if self.kinds().len() > 1 {
             self.wake_resistances();
@@ -257,8 +257,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Force of contact `k` at a stage of a step of `dt` [s], at the time `moment` and with the weight `weight` [-].
-    /// Adds the torques to the angular accelerations, and stores the rates of the springs.
+    /// Force of contact `k` at a stage of a step of `dt` [s], at the time `moment`. The stage has the weight `weight`
+    /// [-] in the step. Adds the torques to the angular accelerations, and stores the rates of the springs.
     pub(super) fn force_at_stage(
         &mut self,
         k: usize,
@@ -445,7 +445,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// Repeats the step from `start` [s] with the length at which a phase (such as sticking) of the spring `k` ends.
-    /// The first guess is `fraction` [-] of `dt` [s].
+    /// The first guess is `fraction` [-] of `dt` [s]; `which` is the index of the margin.
     pub(super) fn find_switch(&mut self, start: f64, dt: f64, (fraction, k, which): (f64, usize, usize)) -> Rates {
         let before = self.scratch.sliding[k].margins[BEFORE][which];
         let mut low = (0.0, before.max(0.0));

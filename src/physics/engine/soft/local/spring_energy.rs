@@ -13,11 +13,11 @@ use std::ops::Range;
 /// Energies of the springs of an island [J].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SpringEnergies {
-    /// Energies of the springs of all kinds: those of pairs (first), and those at walls (second).
+    /// [J] energies of the springs of all kinds: in contacts of pairs (first), and in contacts with walls (second).
     by_partner: [f64; 2],
-    /// Energy of the rolling springs of all contacts.
+    /// [J] energy of the rolling springs of all contacts.
     rolling: f64,
-    /// Energy of the twisting springs of all contacts.
+    /// [J] energy of the twisting springs of all contacts.
     twisting: f64,
 }
 
@@ -67,8 +67,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         energies
     }
 
-    /// [W] parts of the power of a tangential force [N]: power of the dashpot while the contact sticks, and energy that
-    /// the spring loses because its stiffness changes.
+    /// [W] parts of the power of a tangential force [N]: power of the dashpot while the contact sticks, and rate at
+    /// which the spring loses energy because its stiffness changes.
     #[inline(always)]
     pub(super) fn tangential_losses(
         &self,

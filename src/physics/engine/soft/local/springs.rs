@@ -32,8 +32,8 @@ impl SpringKind {
     }
 }
 
-/// Turns a vector that is normal to `from` by the shortest rotation from `from` to `to`. The vector of a twisting
-/// spring stays along the normal.
+/// Turns a vector, perpendicular to the unit normal `from`, by the shortest rotation from `from` to the unit normal
+/// `to`. The vector of a twisting spring stays along the normal.
 #[inline(always)]
 pub fn carried(kind: SpringKind, vector: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     if kind == SpringKind::Twist {
@@ -66,7 +66,7 @@ pub struct SpringMotion {
     pub velocity: Vector3<f64>,
     /// Constants of the spring at the present overlap.
     pub constants: SpringDashpotSlider,
-    /// [-] growth of the shear per length of relative motion. It is below 1 at the touch if the stiffness grows with
+    /// [-] growth of the shear per length of relative motion. It is below 1 at first touch if the stiffness grows with
     /// the overlap.
     pub grown: f64,
     /// [1/s] relative rates at which a change of the overlap changes the shear, the force and the dashpot of the
@@ -108,7 +108,7 @@ impl ContactMotion {
         Self { slip: slip(&met.velocity, &met.normal, &surface), arm, elastic, viscous, rolling }
     }
 
-    /// [m] effective radius by which rolling resistance turns the bodies.
+    /// [m] effective radius R_eff, the lever arm of rolling and twisting resistance; 0 without resistance.
     pub fn rolling_radius(&self) -> f64 {
         self.rolling.as_ref().map_or(0.0, |rolling| rolling.bodies.radius)
     }
