@@ -1,6 +1,6 @@
 //! Two-way coupling: the gas alone stays as it is, momentum of gas and particles closes, the pressure drop carries the
 //! weight of the particles, same bits, messages.
-
+mod first_step;
 mod half_kick;
 use crate::support::{case, close, diptych, shared, words};
 use diptych::ContactLaw;

@@ -37,22 +37,20 @@ pub enum HeldFlow {
     PressureGradient(f64),
 }
 
-/// Effect of the particles on the turbulence of the gas.
+/// Effect of the particles on the turbulence of the gas. The exchange rate is r = Σ(m/τ)/(ρ_f V_g), with the mass m and
+/// response time τ of each particle, and the density ρ_f and volume V_g of the gas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Modulation {
     /// Particles change the turbulence only through the mean velocity of the gas.
     None,
-    /// Particles damp k at the rate 2 r k St/(1 + St), and ε at 1.2 ε/k times this rate (Simonin 1996). The exchange
-    /// rate is r = Σ(m/τ)/(ρ_f V_g), with the mass m and response time τ of each particle, and the density ρ_f and
-    /// volume V_g of the gas. St is τ over the integral time of the gas velocity that particles see. The covariance of
-    /// gas and particle velocities is that of Tchen (1947), 2k/(1 + St).
+    /// Particles damp k at the rate 2 r k St/(1 + St), and ε at 1.2 ε/k times this rate (Simonin 1996). St is τ over the
+    /// integral time of the gas velocity that particles see. The covariance of gas and particle velocities is that of
+    /// Tchen (1947), 2k/(1 + St).
     Simonin,
-    /// Particles produce k at the rate r s² by their mean slip s. The exchange rate is r = Σ(m/τ)/(ρ_f V_g), with the
-    /// mass m and response time τ of each particle, and the density ρ_f and volume V_g of the gas. Then ε is k^(3/2)/l
-    /// with the length l from 1/l = 1/l_0 + 1/λ. Here l_0 = k^(3/2)/ε is that of the gas alone, and λ the mean distance
-    /// between the surfaces of neighbouring particles (Crowe 2000, Int. J. Multiphase Flow 26, 719; Kenning and Crowe
-    /// 1997, ibid. 23, 403).
+    /// Particles produce k at the rate r s² by their mean slip s. Then ε is k^(3/2)/l with the length l from
+    /// 1/l = 1/l_0 + 1/λ. Here l_0 = k^(3/2)/ε is that of the gas alone, and λ the mean distance between the surfaces
+    /// of neighbouring particles (Crowe 2000, Int. J. Multiphase Flow 26, 719; Kenning and Crowe 1997, ibid. 23, 403).
     Crowe,
 }
 
@@ -108,8 +106,7 @@ pub struct LoadedFlow {
     /// [m/s] bulk velocity of the gas alone, divided by its flow rate on the grid. The bulk velocity also includes the
     /// flow between the wall and the first node, by the law of the wall.
     bulk_per_flow: f64,
-    /// Pressure gradient in the latest step, in wall units; for the gas alone in a channel it is one over the half
-    /// width.
+    /// Pressure gradient in the latest step, in wall units; before the first step, that of the steady gas alone.
     pressure_gradient: f64,
     /// [kg m/s] momentum along z that lift has given to the particles of each slice since the latest step. The gas
     /// loses it in the next step.
@@ -166,7 +163,7 @@ impl LoadedFlow {
             gas_fraction: Vec::new(),
             flow_rate: 0.0,
             bulk_per_flow: 0.0,
-            pressure_gradient: 1.0 / channel.reynolds_tau,
+            pressure_gradient: 0.0,
             owed: vec![0.0; coupling.slices],
             alone_length: channel.k.iter().zip(&channel.epsilon).map(|(k, epsilon)| k.powf(1.5) / epsilon).collect(),
             langevin: Langevin::default(),
@@ -174,6 +171,10 @@ impl LoadedFlow {
             channel,
         };
         loaded.bulk_per_flow = flow.bulk_velocity / loaded.gas_momentum();
+        loaded.pressure_gradient = match coupling.held {
+            HeldFlow::FlowRate => flow.pressure_gradient(density) / loaded.unit_gradient(),
+            HeldFlow::PressureGradient(gradient) => gradient / loaded.unit_gradient(),
+        };
         loaded.renew_stress();
         loaded
     }
@@ -183,8 +184,7 @@ impl LoadedFlow {
         Self { langevin, ..self }
     }
 
-    /// Sets the volume fractions of the gas, one per cell, and starts the balance of momentum. It is called once, in
-    /// the first step.
+    /// Sets the volume fractions of the gas, one per cell, and starts the balance of momentum; in the first step only.
     fn begin(&mut self, gas_fraction: Vec<f64>) {
         self.gas_fraction = gas_fraction;
         self.flow_rate = self.gas_momentum();
@@ -207,8 +207,12 @@ impl LoadedFlow {
         self.unit_length() / self.unit_velocity()
     }
 
-    /// [kg m/s] unit of momentum: that of a layer of gas along all walls, one unit of length thick, which moves at the
-    /// unit of velocity.
+    /// [Pa/m] unit of pressure gradients.
+    fn unit_gradient(&self) -> f64 {
+        self.density * self.unit_velocity().powi(2) / self.unit_length()
+    }
+
+    /// [kg m/s] unit of momentum: that of a layer of gas along all walls, of unit thickness and unit velocity.
     fn unit_impulse(&self) -> f64 {
         self.density * self.wall_area * self.unit_length() * self.unit_velocity()
     }
@@ -309,8 +313,7 @@ impl LoadedFlow {
         (0..self.channel.u.len()).map(|cell| self.channel.volume(cell)).sum()
     }
 
-    /// Momentum of the gas per area of the wall, in wall units. The density is 1 in these units, so it is also the flow
-    /// rate of the gas.
+    /// Momentum of the gas per wall area, in wall units; also its flow rate, as the density is 1 in these units.
     fn gas_momentum(&self) -> f64 {
         let fraction = |cell: usize| self.gas_fraction.get(cell).copied().unwrap_or(1.0);
         let cells = self.channel.u.iter().enumerate();
@@ -355,12 +358,9 @@ impl LoadedFlow {
         let flow = |u: &[f64]| -> f64 { inertia.iter().zip(u).map(|(inertia, u)| inertia * u).sum() };
         self.pressure_gradient = match self.coupling.held {
             HeldFlow::FlowRate => (self.flow_rate - flow(&alone)) / flow(&response),
-            HeldFlow::PressureGradient(gradient) => {
-                gradient / self.density * self.unit_length() / self.unit_velocity().powi(2)
-            }
+            HeldFlow::PressureGradient(gradient) => gradient / self.unit_gradient(),
         };
-        let gradient = self.pressure_gradient;
-        self.channel.u = alone.iter().zip(&response).map(|(u, more)| u + gradient * more).collect();
+        self.channel.u = alone.iter().zip(&response).map(|(u, more)| u + self.pressure_gradient * more).collect();
         self.gas_fraction = fraction;
     }
 
@@ -456,7 +456,7 @@ impl LoadedFlow {
 
     /// [Pa/m] pressure drop per length in the latest step, without the hydrostatic part.
     pub fn pressure_gradient(&self) -> f64 {
-        self.pressure_gradient * self.density * self.unit_velocity().powi(2) / self.unit_length()
+        self.pressure_gradient * self.unit_gradient()
     }
 
     /// [m/s] bulk velocity of the gas: its flow rate over the cross-section.
