@@ -4,7 +4,6 @@
 mod calendar;
 mod collapse_detector;
 mod cost;
-mod events;
 mod global_calendar;
 mod impact_rule;
 mod impulse;

@@ -68,37 +68,6 @@ pub struct Island<C> {
     pub(super) flow: Vec<Vector3<f64>>,
 }
 
-/// Speed limits of the members of an island (group of particles that may meet). A faster member might meet particles
-/// that are not in the island, so the island must then be solved again.
-pub struct Bounds<'a> {
-    /// Speed limit [m/s] of each member, by local index, relative to the moving frame.
-    limits: &'a [f64],
-    /// Velocity [m/s] of the moving frame of the speed limits, relative to the frame at rest.
-    frame: Vector3<f64>,
-    /// [m/s] mean flow of a sheared box at the place of each particle at the start of the part (interval of time),
-    /// which is added to the velocity of the frame. Empty without shear.
-    flow: &'a [Vector3<f64>],
-}
-
-impl Bounds<'_> {
-    /// True if the particle at the local `index` may have this velocity [m/s]: its speed relative to the moving frame
-    /// is at most its limit. False for a bystander, a particle that must fly straight.
-    pub fn allows(&self, index: usize, velocity: &Vector3<f64>) -> bool {
-        let frame = frame_of(index, self.frame, self.flow);
-        self.limits.get(index).is_some_and(|limit| (velocity - frame).norm() <= *limit)
-    }
-}
-
-/// [m/s] velocity of the moving frame for the particle at the local `index`: the common `frame`, plus the mean `flow`
-/// of a sheared box if there is one.
-#[inline]
-fn frame_of(index: usize, frame: Vector3<f64>, flow: &[Vector3<f64>]) -> Vector3<f64> {
-    match flow.get(index) {
-        None => frame,
-        Some(flow) => frame + flow,
-    }
-}
-
 impl<C> Island<C> {
     /// Makes an island without particles.
     pub fn empty() -> Self {
@@ -185,12 +154,8 @@ impl<C> Island<C> {
     /// gravity from rest at the start of the part (interval of time). Its speed in the moving frame of the limits must
     /// not exceed its limit. False for a bystander, which must not be touched.
     pub fn allows(&self, index: usize, velocity: &Vector3<f64>) -> bool {
-        Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow }.allows(index, velocity)
-    }
-
-    /// Borrows three parts of the island at the same time: the particles, the log of impacts, and the speed limits.
-    pub fn open(&mut self) -> (&mut Particles, &mut Log, Bounds<'_>) {
-        (&mut self.particles, &mut self.log, Bounds { limits: &self.limits, frame: self.frame, flow: &self.flow })
+        let speed = || (velocity - self.frame_of(index)).norm();
+        self.limits.get(index).is_some_and(|limit| speed() <= *limit)
     }
 
     /// Records a velocity change of the particle at the local `index`, at `time` [s] since the start of the part
@@ -207,9 +172,13 @@ impl<C> Island<C> {
         (self.particles.velocity[index] - self.frame_of(index)).norm().max(self.fastest)
     }
 
-    /// Velocity [m/s] of the moving frame in which the speed of the particle at the local `index` is limited.
+    /// Velocity [m/s] of the moving frame in which the speed of the particle at the local `index` is limited: the common
+    /// `frame`, plus the mean flow of a sheared box if there is one.
     fn frame_of(&self, index: usize) -> Vector3<f64> {
-        frame_of(index, self.frame, &self.flow)
+        match self.flow.get(index) {
+            None => self.frame,
+            Some(flow) => self.frame + flow,
+        }
     }
 
     /// Upper limit [m/s] of the difference between two speeds of any particle. One is relative to a frame with the

@@ -30,7 +30,7 @@ pub use batch::GivenUp;
 pub use choice::{IslandCost, SpeedSummary};
 pub use cluster::{BoundedIslands, Clusters, IslandFinder, Member, Reach, TracedIslands, VelocityChange};
 pub use counters::IslandCounters;
-pub use island::{Bounds, Island};
+pub use island::Island;
 pub use order::in_order;
 pub use search::BoundingSphere;
 
