@@ -251,6 +251,8 @@ impl Simulation {
     }
 
     /// Runs `windows` windows of `window` [s] each. At the end, velocities and positions belong to the same time.
+    /// Several threads are faster within [`keep_workers_spinning`](crate::work_sharing::keep_workers_spinning), since idle
+    /// threads then do not sleep.
     ///
     /// # Errors
     /// A failure of the engine, a particle that left the domain, an unstable soft time step, or energy that grew more
