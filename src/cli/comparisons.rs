@@ -58,8 +58,8 @@ pub struct JudgeArguments {
     /// [default: that of --settings, or 1%].
     #[arg(long, value_name = "SHARE", value_parser = relative_error)]
     pub margin: Option<f64>,
-    /// Also gives the answer by the exit code: 0 if all are equivalent, 3 if some are different, 4 if some are
-    /// unresolved and none is different.
+    /// Also gives the answer by the exit code: 0 if all quantities are equivalent, 3 if some are different, 4 if some
+    /// are unresolved and none is different.
     #[arg(long)]
     pub exit_code: bool,
     #[command(flatten)]

@@ -226,8 +226,8 @@ impl Gauge {
 }
 
 /// Interval of time [µs] from one contact time before the first two spheres of a row touch to about the end of all
-/// contacts. Each sphere of the row adds a contact time. `None` without a contact law, or if these two spheres do not
-/// approach each other.
+/// contacts. The end is the touch plus one contact time for each sphere of the row. The second sphere is assumed to
+/// rest. `None` without a contact law, or if the first sphere does not fly towards the second.
 fn blow(experiment: &Experiment, start: &Particles) -> Option<[f64; 2]> {
     let contact_time = ContactTimes::of(experiment, &experiment.law()?, start.len()).governing()?;
     let [gap, closing] =

@@ -145,8 +145,9 @@ impl Law for Hertz {
         unit_dashpot(spring.restitution) / (2.0 * 1.5f64.sqrt())
     }
 
-    /// Returns Γ(7/5) (5 E/(2 k_H))^(2/5) [m], the length by which the diameter seems smaller in collisions with the
-    /// energy scale E = `energy` [J]. k_H is Hertz's constant, and Γ(7/5) a value of the gamma function.
+    /// Returns Γ(7/5) (5 E/(2 k_H))^(2/5) [m] = ∫ exp(-V(δ)/E) dδ, with the stored energy V at the overlap δ and E =
+    /// `energy` [J]. Hard spheres with the same collisions have a diameter that is smaller by this length. k_H is
+    /// Hertz's constant, and Γ(7/5) a value of the gamma function.
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         libm::tgamma(1.4) * (2.5 * energy / spring.stiffness).powf(0.4)
     }

@@ -120,8 +120,9 @@ impl FreeRoom {
         if is_thin { radius / (1.0 + MARGIN) * (1.0 - ROUNDING) } else { radius }
     }
 
-    /// [m] coordinate of the middle of the space along an axis, if spheres of `radius` [m] fit only there or not at
-    /// all. Otherwise `None`.
+    /// [m] coordinate of the middle of the space along an axis, if the space is narrower than a sphere of `radius` [m].
+    /// `radius` is the enlarged radius of the placement; the true sphere may still fit in the middle. `None` if the
+    /// space is wide enough or the axis is periodic.
     pub fn middle(&self, axis: usize, radius: f64) -> Option<f64> {
         let [low, high] = self.corners.map(|corner| corner[axis]);
         (!self.scene.domain.periodic[axis] && high - low < 2.0 * radius).then_some(0.5 * (low + high))

@@ -33,10 +33,13 @@ impl Simulation {
     }
 
     /// Runs like [`run_until`](Self::run_until), but only as long as `go_on` returns true. Returns true if `time` [s]
-    /// is reached. `go_on` is called at the end of every window but the last, and where the schedule divides a window.
-    /// After a stop at the end of a window, velocities lack a half-kick of drag in most cases. A run to a later time
-    /// adds this half-kick, and has bit by bit the results of a run that was not stopped. [`complete`](Self::complete)
-    /// adds the half-kick at once.
+    /// is reached, false after a stop. `go_on` is called at the end of every window but the last, and where the
+    /// schedule divides a window.
+    ///
+    /// Drag changes velocities by half a kick (half-kick) before and after each window. If `go_on` stops the run within
+    /// a series of equal windows, the velocities lack the last half-kick. A run to a later time adds this half-kick,
+    /// and has bit by bit the results of a run that was not stopped. [`complete`](Self::complete) adds the half-kick at
+    /// once.
     ///
     /// # Errors
     /// Errors of [`run`](Self::run).

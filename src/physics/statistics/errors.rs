@@ -13,8 +13,8 @@ pub const FEWEST_BLOCKS: usize = 8;
 /// Smallest number of blocks into which a long series is merged; the number is always less than twice as large. More
 /// blocks would resolve fast noise, but miss slow fluctuations. Fewer blocks would be too few data for an estimate.
 const BLOCKS: usize = 20;
-/// [-] largest correlation between neighbouring blocks that is used. A series with a higher correlation is a single
-/// slow fluctuation.
+/// [-] upper limit of the correlation between neighbouring blocks; a higher measured value is replaced by this limit. A
+/// series with a higher correlation is a single slow fluctuation.
 pub(super) const LARGEST_CORRELATION: f64 = 0.9;
 
 /// Value of a quantity and its standard error, both in the unit of the quantity.

@@ -39,7 +39,8 @@ fn near(s: f64, t: f64) -> bool {
     (s - t).abs() <= 1e-9 * s.abs().max(t.abs())
 }
 
-/// Recorded states of the runs `a` and `b`, one pair for each instant that both runs have recorded.
+/// Recorded states of the runs `a` and `b`, one pair for each instant that both runs have recorded with the same number
+/// of particles.
 fn common<'a>(a: &'a Outcome, b: &'a Outcome) -> Vec<[Instant<'a>; 2]> {
     let others = instants(b);
     let same = |one: Instant<'a>| {

@@ -125,8 +125,9 @@ fn average(outcome: &Outcome, (place, point): (usize, &ReferencePoint)) -> Optio
     Some((of(own.clone()), of(stated((place, point)))))
 }
 
-/// Value of the table with its standard error, converted to the type in which averages of runs are tested. `None` if
-/// the table gives no standard error.
+/// Value of the table with its standard error, converted to the type in which averages of runs are tested. `place` is
+/// the index of the point in the table; points with different indices get independent errors. `None` if the table gives
+/// no standard error.
 fn stated((place, point): (usize, &ReferencePoint)) -> Option<Batches> {
     point.standard_error.map(|error| Batches::of_stated(point.value, error, place))
 }

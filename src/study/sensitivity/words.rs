@@ -74,7 +74,8 @@ fn where_(shift: &Shift) -> String {
 /// [-] largest shift, divided by its scale, that is attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Text of a shift with its standard error, both in per cent of the scale of the observable, by which they are divided.
+/// Text of a shift with its standard error, both in per cent of the scale of the observable; "nothing" if both are
+/// below the rounding error.
 fn share(shift: &Shift) -> String {
     if shift.share().abs() < ROUNDING && shift.share_error().is_none_or(|error| error < ROUNDING) {
         return "nothing".into();

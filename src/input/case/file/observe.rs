@@ -36,8 +36,8 @@ pub struct ObserveFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PairDistributionFile {
-    /// Largest distance of two centres that is counted, at most half the shortest edge of the box. The time of a sample
-    /// grows with the third power of this distance.
+    /// Largest distance of two centres that is counted, at most half the shortest edge of the box. The computing time
+    /// of a sample grows with the third power of this distance.
     #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
     pub reach: Option<Located<Length>>,
     /// Number of bins of the distance, between 0 and `reach`.

@@ -166,8 +166,8 @@ impl Resolver {
         }
     }
 
-    /// Warns about the repairs of a surface that `findings` counts, such as removed triangles, and about an open
-    /// surface.
+    /// Warns about the repairs of a surface that `findings` counts, such as removed triangles, about nested parts, and
+    /// about an open surface with particles on both sides.
     fn warn_of_findings(&mut self, name: &Located<String>, findings: &Findings, sides: Sides) {
         let typed = self.as_typed(name);
         let mut told = Vec::new();

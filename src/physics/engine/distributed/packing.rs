@@ -14,8 +14,9 @@ use serde::de::DeserializeOwned;
 /// [bytes] size of the number that tells how many bytes of particle data follow.
 const LENGTH: usize = 8;
 
-/// Packs all particles of this process and their contacts in progress into bytes. `home` are the contacts among them,
-/// `abroad` those with particles of other processes. In the bytes, ids of particles replace indices.
+/// Packs all particles of this process and their carried items (contacts in progress, or recent collisions) into bytes.
+/// `home` are the items among these particles, `abroad` those with particles of other processes. In the bytes, ids of
+/// particles replace indices.
 pub fn packed_part<S: Solve>(
     particles: &Particles,
     home: &[S::Carried],

@@ -33,7 +33,7 @@ const UPDATE: f64 = 10.0;
 /// [ns] cost of testing one slot (candidate) of the neighbour list in a uniform step.
 const LISTED: f64 = 5.0;
 
-/// [ns] cost of one contact force in a uniform step, with its records.
+/// [ns] cost of one contact force in a uniform step, including the update of the stored data of the contact.
 const CONTACT: f64 = 50.0;
 
 /// Longest pause of islands, in windows. A failed trial of islands costs about as much as uniform steps in five

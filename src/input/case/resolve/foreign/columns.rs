@@ -164,8 +164,9 @@ impl Layout {
 }
 
 impl ForeignReader<'_> {
-    /// Refuses a layout without all components of the position, or with only some components of the velocity, the
-    /// spin or the momentum. Warns about columns that are ignored.
+    /// Refuses a layout that lacks a component of the position, or that has only one or two components of the velocity,
+    /// the spin or the momentum. `number` is the number of the line, for messages. If the file has velocities, momenta
+    /// are ignored. Warns about ignored columns, and about momenta without a column of masses.
     pub(super) fn check_layout(&mut self, lines: &Lines, number: usize, layout: &mut Layout) -> Result<(), Diagnostic> {
         if layout.at[VELOCITY].is_some() && layout.at[MOMENTUM].is_some() {
             layout.left.push("momenta".into());

@@ -147,7 +147,8 @@ impl ForeignReader<'_> {
         Ok(layout)
     }
 
-    /// Reads the texts of one particle from its line.
+    /// Reads the values of one particle, as texts in the order of `COLUMNS`, from the line with the number `number`.
+    /// Positions are shifted so that the origin of the box is at zero.
     fn particle(&self, lines: &Lines, number: usize, header: &Header) -> Result<Cells, Diagnostic> {
         let words = self.words_of(lines, number, &header.layout)?;
         let mut row: Cells = std::array::from_fn(|column| header.layout.text(&words, column).to_owned());

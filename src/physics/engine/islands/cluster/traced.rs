@@ -257,8 +257,9 @@ impl TracedIslands<'_> {
         }
     }
 
-    /// Indices in the store of the particles outside the island `which` that touch one of its members on their
-    /// trajectories. `None` if a member could meet a periodic image of a particle other than the nearest image.
+    /// Indices (in the particle store) of particles outside the island `which` whose trajectories may meet that of one
+    /// of its members. An index may occur several times. `None` if a member could meet an image of a particle other
+    /// than the nearest periodic image.
     fn met_by(&self, which: usize) -> Option<Vec<u32>> {
         let mut met = Vec::new();
         // in the first round the surroundings of every island are searched: a search around a deflected flight finds
