@@ -14,8 +14,8 @@ use crate::walls::Touch;
 use nalgebra::Vector3;
 
 /// Solver that moves the hard spheres of one island (group of particles that may meet) from collision to collision
-/// through a part (interval of time). It carries only the times of recent collisions to the next part, for the TC
-/// model, in which a collision is elastic soon after another one.
+/// through a part (interval of time). The solver passes only the times of recent collisions to the next part. They are
+/// needed for the TC model, in which a collision is elastic soon after another one.
 #[derive(Default)]
 pub struct HardIslands {
     /// Contact time t_c [s] of the TC model, in which a collision is elastic if either particle collided less than t_c
@@ -44,9 +44,13 @@ impl Solve for HardIslands {
         None
     }
 
-    /// Processes the collisions of the island one after the other. Between them, a stored position is not that of the
-    /// present: it is the point where the particle would have been at the start of the part on its present straight
-    /// line. So `x(t) = origin + v t` for every particle, and a collision changes only the data of its two partners.
+    /// Processes the collisions of the island one after the other, up to the time `end` [s]. Returns the local index of
+    /// a particle that became faster than its limit; `None` if no particle did. An inelastic collapse (infinitely many
+    /// collisions in finite time) is an error.
+    ///
+    /// During this work the stored position of a particle is not its present position. It is the point where the
+    /// particle would have been at the start of the part if it had always flown with its present velocity. So `x(t) =
+    /// origin + v t` for every particle, and a collision changes only the data of its two partners.
     fn solve(
         &self,
         island: &mut Island<Recent>,
@@ -103,7 +107,7 @@ pub struct IslandEvents {
     /// are `adjacent[first[i] .. first[i + 1]]`.
     first: Vec<u32>,
     adjacent: Vec<u32>,
-    /// Scratch memory while `adjacent` is filled: for each particle, the index of its next free entry.
+    /// Scratch memory for the filling of `adjacent`: for each particle, the index of its next free entry there.
     next: Vec<u32>,
     /// For each candidate of a particle and a wall, the number of the surface feature (such as a triangle of a mesh)
     /// that the particle will touch next.
@@ -116,8 +120,8 @@ pub struct IslandEvents {
 }
 
 impl IslandEvents {
-    /// Prepares the events of another island: the histories of its particles, and the first touch of every candidate
-    /// up to the time `end` [s] since the start of the part (interval of time).
+    /// Prepares the events of an island that is to be solved: the histories of its particles, and the first touch of
+    /// every candidate up to the time `end` [s] since the start of the part (interval of time).
     fn begin(&mut self, island: &mut Island<Recent>, contact_time: Option<f64>, scene: &Scene, end: f64) {
         self.contact_time = contact_time;
         self.met.clear();
@@ -139,8 +143,9 @@ impl IslandEvents {
         }
     }
 
-    /// Moves all members of the island to the end of the part (interval of time), and stores the collisions that the
-    /// next part needs. The two times [s] of this end are the simulated time, and the time since the start of the part.
+    /// Moves all members of the island to the end of the part (interval of time), and stores the recent collisions that
+    /// the next part needs. `time` [s] is the simulated time at this end, and `end` [s] the time since the start of the
+    /// part.
     fn end(&self, island: &mut Island<Recent>, scene: &Scene, (time, end): (f64, f64)) {
         let particles = &mut island.particles;
         for (x, v) in particles.position.iter_mut().zip(&mut particles.velocity).take(island.hot) {
@@ -180,16 +185,16 @@ impl IslandEvents {
         }
     }
 
-    /// Number of the surface feature (such as a triangle of a mesh) that the particle at the slot `slot` will touch
-    /// next. A slot is the number of a candidate in the neighbour list. 0 for a pair of particles.
+    /// Number of the surface feature (such as a triangle of a mesh) that the particle of the candidate number `slot`
+    /// will touch next. It is 0 for a pair of particles.
     fn feature(&self, slot: usize, island: &Island<Recent>) -> u32 {
         let near = slot.checked_sub(island.list.pairs.len());
         near.and_then(|near| self.features.get(near)).copied().unwrap_or_default()
     }
 
-    /// Puts the next touch of the two bodies at `slot` (their number in the neighbour list) into the event queue. With
-    /// `None` for `touch`, no touch is coming. The time of the touch is in s since the start of the part (interval of
-    /// time).
+    /// Puts the next touch of the two bodies at `slot` (their number in the neighbour list) into the event queue, in
+    /// place of an earlier prediction. `None` for `touch` means that no touch is coming. The time of the touch is in s
+    /// since the start of the part (interval of time).
     fn predict_events(&mut self, slot: usize, island: &Island<Recent>, touch: Option<Touch>) {
         if let (Some(near), Some(touch)) = (slot.checked_sub(island.list.pairs.len()), touch) {
             self.features[near] = touch.feature;
@@ -197,8 +202,8 @@ impl IslandEvents {
         self.calendar.set(slot as u32, touch.map(|touch| touch.time));
     }
 
-    /// Predicts all touches of the particle at the local index `i` from the time `now` [s] on, up to `end` [s]. Both
-    /// times count from the start of the part (interval of time).
+    /// Predicts all touches of the particle with the index `i` in the island from the time `now` [s] on, up to `end`
+    /// [s]. Both times count from the start of the part (interval of time).
     fn repredict(&mut self, i: usize, island: &mut Island<Recent>, scene: &Scene, now: f64, end: f64) {
         for k in self.first[i]..self.first[i + 1] {
             let slot = self.adjacent[k as usize] as usize;
@@ -208,8 +213,8 @@ impl IslandEvents {
         }
     }
 
-    /// True if the TC model makes a collision of these bodies at simulated time `time` [s] elastic: one of them
-    /// collided less than the contact time before.
+    /// True if the TC model makes a collision of these bodies at simulated time `time` [s] elastic. It does so if one
+    /// of them last collided less than the contact time before.
     fn in_contact(&self, couple: &Couple, time: f64) -> bool {
         let Some(contact_time) = self.contact_time else { return false };
         let last = |index: u32| self.met[index as usize].last;
@@ -217,16 +222,16 @@ impl IslandEvents {
     }
 
     /// Adds a collision at simulated time `time` [s] to the histories of both partners. Returns true if a history shows
-    /// an inelastic collapse (infinitely many collisions in finite time). The classical algorithm then finds it again,
-    /// and describes it.
+    /// an inelastic collapse (infinitely many collisions in finite time). The classical algorithm (all particles at
+    /// once) then finds the collapse again, and describes it in an error.
     fn show_collapse(&mut self, collision: &Collision, scene: &Scene, time: f64) -> bool {
         let mut partners = collision.couple.indices().into_iter().flatten();
         partners.any(|i| self.met[i as usize].note(collision, scene, time, self.contact_time).is_some())
     }
 }
 
-/// Next touch of the two bodies at a slot (number in the neighbour list) between the times `now` and `end`; `None`
-/// without a touch. All times are in s since the start of the part (interval of time).
+/// Next touch of the two bodies at `slot` (their number in the neighbour list) between the times `now` and `end`;
+/// `None` if they do not touch then. All times are in s since the start of the part (interval of time).
 fn touch(slot: usize, island: &Island<Recent>, scene: &Scene, now: f64, end: f64) -> Option<Touch> {
     let couple = island.list.couple(slot);
     let touch = couple.touch(&island.particles, scene, FrameTime::ahead(now), end - now);

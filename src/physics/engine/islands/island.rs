@@ -23,23 +23,23 @@ pub struct Island<C> {
     pub hot: usize,
     /// True if the island is a crowd, a large island that is moved by uniform steps.
     pub crowd: bool,
-    /// Local indices of all particles, sorted by the index in the particle store. Empty for a small island, which needs
-    /// no such list.
+    /// Local indices of all particles, sorted by the index in the particle store, for a binary search. Empty for a
+    /// small island, in which a linear search is faster.
     by_index: Vec<u32>,
     /// Candidates for contacts: pairs of particles, and particles with walls, that may touch in this part (interval of
     /// time).
     pub list: NeighbourList,
-    /// Contacts in progress (or recent collisions), with local indices of particles. Before the island is solved they
-    /// are those at the start of the part (interval of time), afterwards those at its end.
+    /// Contacts in progress (soft spheres) or recent collisions (hard spheres), with local indices of particles. Before
+    /// the island is solved they are those at the start of the part (interval of time), afterwards those at its end.
     pub carried: Vec<C>,
     /// Log of the impacts and energies in the island.
     pub log: Log,
     /// Velocity changes in the order of time, each with the local index of its particle; empty if the engine does not
     /// report them.
     pub turns: Vec<(u32, VelocityChange)>,
-    /// Number of collisions (hard spheres), or of time steps of contacts (soft spheres).
+    /// Number of collisions (hard spheres), or of time steps of contacts (soft and hybrid spheres).
     pub events: u64,
-    /// Number of collisions of the hybrid engine, which counts the time steps of its contacts in `events`.
+    /// Number of collisions of hybrid spheres; 0 in other engines, which do not use it.
     pub impulses: u64,
     /// Number of uniform steps, if the island is a crowd (moved by uniform steps); otherwise 0.
     pub crowd_steps: u64,
@@ -50,12 +50,12 @@ pub struct Island<C> {
     /// Number of contact forces that were computed in the island, those of uniform steps included.
     pub force_evaluations: u64,
     /// Work: the number of moved particles, summed over all stages of the time integrator, plus the number of gaps
-    /// checked after steps.
+    /// checked after steps. In uniform steps, each particle and each gap counts only half.
     pub updates: u64,
-    /// Local indices of further particles that exceeded their speed limit or were hit unexpectedly, besides the one
-    /// that the solver returns.
+    /// Local indices of further particles that exceeded their speed limit, or that were hit although they are
+    /// bystanders. The particle that the solver returns is not repeated here.
     pub also: Vec<usize>,
-    /// [m/s] largest speed of any particle so far, relative to the frame of the speed limits. Solvers set it if they
+    /// [m/s] largest speed of any particle so far, relative to the frame of the speed limits. A solver sets it if it
     /// cannot stop at the moment when a limit is exceeded; otherwise it is 0.
     pub fastest: f64,
     /// Speed limit [m/s] of each member, relative to the moving frame `frame`. If a member becomes faster, it may leave
@@ -140,8 +140,7 @@ impl<C> Island<C> {
         (self.also, self.fastest) = (Vec::new(), 0.0);
     }
 
-    /// Local index of the particle at `index` in the particle store; `None` if the particle is not in the
-    /// island.
+    /// Local index of the particle at `index` in the particle store; `None` if the particle is not in the island.
     pub(super) fn local(&self, index: u32) -> Option<u32> {
         if self.by_index.is_empty() {
             return self.indices.iter().position(|&other| other == index).map(|local| local as u32);
@@ -166,14 +165,14 @@ impl<C> Island<C> {
         self.turns.push((index, VelocityChange { time, origin, velocity: velocity - self.frame_of(index as usize) }));
     }
 
-    /// Speed [m/s] of the particle at the local `index`, relative to the moving frame of the speed limits; at least
-    /// the largest speed that the solver has noted.
+    /// Speed [m/s] of the particle at the local `index`, relative to the moving frame of the speed limits; `fastest` if
+    /// that is larger.
     pub fn speed(&self, index: usize) -> f64 {
         (self.particles.velocity[index] - self.frame_of(index)).norm().max(self.fastest)
     }
 
-    /// Velocity [m/s] of the moving frame in which the speed of the particle at the local `index` is limited: the common
-    /// `frame`, plus the mean flow of a sheared box if there is one.
+    /// Velocity [m/s] of the moving frame in which the speed of the particle at the local `index` is limited. It is the
+    /// common velocity `frame`, plus the mean flow of a sheared box if there is one.
     fn frame_of(&self, index: usize) -> Vector3<f64> {
         match self.flow.get(index) {
             None => self.frame,
@@ -181,8 +180,8 @@ impl<C> Island<C> {
         }
     }
 
-    /// Upper limit [m/s] of the difference between two speeds of any particle. One is relative to a frame with the
-    /// velocity `frame` [m/s], the other relative to the frame of the speed limits without mean flow.
+    /// Upper limit [m/s] of the difference between the speeds of one particle in two frames. One frame has the velocity
+    /// `frame` [m/s], the other is the frame of the speed limits without mean flow.
     pub fn apart_from(&self, frame: &Vector3<f64>) -> f64 {
         (frame - self.frame).norm()
     }

@@ -1,8 +1,8 @@
 //! Test whether neighbours approach a particle, for four neighbours at the same time. It is part of the prediction of
 //! collisions by the event queue of all particles (the calendar).
 //!
-//! If the processor has vectors of four numbers (AVX2, tested at run time), the code uses them. Otherwise it does the
-//! same operations one by one in the same order, so that both results have equal bits.
+//! If the processor has vectors of four numbers (AVX2, tested at run time), the code uses them. Otherwise the code does
+//! the same operations one by one in the same order. So both results are equal bit for bit.
 
 use super::next_events::FlightState;
 use crate::domain::Domain;
@@ -18,15 +18,15 @@ pub struct ObservingParticle<'a> {
     pub now: f64,
     /// True if no neighbour has a flight that began later than that of the particle.
     pub is_latest: bool,
-    /// True if a neighbour may be nearer through a periodic image.
+    /// True if a periodic image of a neighbour may be nearer than the neighbour itself.
     pub across: bool,
     /// The box of the scene, with its periodic sides.
     pub domain: &'a Domain,
 }
 
-/// Relative motion of the particle and four of its neighbours; each array has one value per neighbour. The motion is
-/// that at the start of the later of both flights. So a predicted touch depends only on the two flights, and not on the
-/// instant of the prediction.
+/// Relative motion of the particle and four of its neighbours; each array has one value per neighbour. The values are
+/// those at the start of the later of the two flights, that of the particle and that of the neighbour. So a predicted
+/// touch depends only on the two flights, and not on the instant of the prediction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FourNeighbours {
     /// [s] start of the later of both flights, since the epoch (zero of the calendar's time).
@@ -41,7 +41,8 @@ pub struct FourNeighbours {
     pub discriminant: [f64; 4],
 }
 
-/// [-] twice the time that is of interest: a touch cannot occur before `gap`/(2 `closing`). The factor also allows for
+/// [-] factor 2 in the test `gap` ≤ 2 `closing` t, in which t is the time from `start` to the limit of interest. A
+/// touch cannot occur earlier than `gap`/(2 `closing`) after `start`. The factor is slightly larger than 2 to allow for
 /// rounding, so that touches at equal times are all found.
 const TWICE: f64 = 2.0 * (1.0 + 1e-9);
 
@@ -101,7 +102,7 @@ pub mod wide {
         __m256d, _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _MM_FROUND_NO_EXC, _MM_FROUND_TO_NEAREST_INT,
     };
 
-    /// Rounding to the nearest integer, ties to even.
+    /// Mode of the rounding instruction: to the nearest integer, ties to even.
     const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
 
     /// State of the particle whose neighbours are tested, each number repeated four times in a processor vector.
@@ -113,8 +114,8 @@ pub mod wide {
         until: __m256d,
         now: __m256d,
         is_latest: bool,
-        /// [m] edges of the box, and [1/m] their inverse along periodic axes (0 along others); `None` if no neighbour is
-        /// nearer through an image.
+        /// [m] edges of the box, and [1/m] their inverse along periodic axes (0 along others). `None` if no image of a
+        /// neighbour is nearer than the neighbour itself.
         sides: Option<([__m256d; 3], [__m256d; 3])>,
     }
 
@@ -150,10 +151,11 @@ pub mod wide {
             ]
         }
 
-        /// Separations [m] and relative velocities [m/s] along one axis: those of the particle minus those of four
-        /// neighbours, at the nearest images. `there` [m] and `theirs` [m/s] are the positions of the neighbours at the
-        /// starts of their flights, and their velocities. The flights of particle and neighbours began `ours` [s] and
-        /// `since` [s] before the time `start` at which the separations are computed.
+        /// Separations [m] and relative velocities [m/s] along one axis: values of the particle minus those of four
+        /// neighbours. If `sides` is given, the separations are those to the nearest images. `there` [m] and `theirs`
+        /// [m/s] are the positions of the neighbours at the starts of their flights, and their velocities. The flights
+        /// of particle and neighbours began `ours` [s] and `since` [s] before the time `start` [s] at which the
+        /// separations are computed.
         #[inline(always)]
         fn relative(
             &self,

@@ -15,7 +15,7 @@ type BinLink = Option<NonZeroU32>;
 struct Leaf {
     indices: [u32; 6],
     count: u32,
-    /// Link to the next leaf of the bin, or, for a leaf that is in use by no bin, to the next free leaf.
+    /// Link to the next leaf of the bin; for an unused leaf, link to the next unused one.
     next: BinLink,
 }
 

@@ -1,5 +1,5 @@
-//! Grid of cells that holds the centres of all shells. A shell is a ball around a particle; as long as the particle
-//! stays within it, its neighbour list remains valid.
+//! Grid of cells that holds the centres of all shells. A shell is a ball around a particle. As long as the particle
+//! stays in its shell, the neighbour list of the particle remains valid.
 
 use crate::domain::Domain;
 use nalgebra::Vector3;
@@ -10,7 +10,7 @@ use std::num::NonZeroU32;
 pub const ROUNDING: f64 = 1e-6;
 
 /// Grid of cells with the centres of shells (balls in which neighbour lists are valid). Each cell has a linked list of
-/// centres, so one centre can change its cell without sorting all others again.
+/// centres, so one centre can change its cell while all others stay where they are.
 #[derive(Clone, Debug, Default)]
 pub struct ShellGrid {
     count: [usize; 3],
@@ -19,8 +19,8 @@ pub struct ShellGrid {
     per_length: Vector3<f64>,
     /// [m] edges of a cell along the three axes.
     edge: [f32; 3],
-    /// [m] edges of the box along the three axes, and half of them. Half an edge is infinite along axes that are not
-    /// periodic, so that no images are looked for there.
+    /// [m] edges of the box along the three axes (`period`), and half of them (`half`). A value of `half` is infinite
+    /// along axes that are not periodic, so that no images are looked for there.
     period: [f32; 3],
     half: [f32; 3],
     /// [m] bound on the rounding error of distances, which are computed in single precision.
@@ -58,7 +58,8 @@ pub fn widened(x: &[f32; 3]) -> Vector3<f64> {
 }
 
 impl ShellGrid {
-    /// Makes a grid for `particles` particles, without centres so far, whose cells have edges of at least `edge` [m].
+    /// Makes a grid without centres for the given number of particles. The edges of its cells are at least `edge` [m]
+    /// long, unless the box itself is shorter.
     pub fn new(domain: &Domain, edge: f64, particles: usize) -> Self {
         // limits the number of cells by the number of particles, even in a nearly empty box
         let most = (particles as f64).cbrt().ceil() + 3.0;
@@ -126,8 +127,8 @@ impl ShellGrid {
     }
 
     /// Numbers, along one axis, of the cell `at` and its neighbours, and how many numbers these are (one to three).
-    /// With each number comes the smallest distance [m], along the axis, from a point in the cell `at` to the cell with
-    /// this number. `from_side` [m] is the distance of the point from the lower side of its cell.
+    /// With each number comes the smallest distance [m], along the axis, from a given point in the cell `at` to the
+    /// cell with this number. `from_side` [m] is the distance of the point from the lower side of the cell `at`.
     fn beside(&self, axis: usize, at: usize, from_side: f32) -> ([(usize, f32); 3], usize) {
         let n = self.count[axis];
         if n == 1 {
@@ -211,10 +212,10 @@ impl ShellGrid {
         checks
     }
 
-    /// Appends to `found` the indices of the particles whose shell centres are in the cell and at most a distance
-    /// √`square` [m] from `here` [m]. Returns the number of centres in the cell. Every index is written, and the next
-    /// one overwrites an unwanted one. This avoids a branch, which the processor would often mispredict, since about
-    /// half of the indices are wanted.
+    /// Appends to `found` the indices of the particles whose shell centres are in the cell number `cell` and at most a
+    /// distance √`square` [m] from `here` [m]. Returns the number of centres in the cell. Every index is written; if a
+    /// centre is too far, the next index overwrites it. This avoids a branch, which the processor would often
+    /// mispredict, since about half of the indices are kept.
     #[inline]
     fn within(&self, cell: usize, here: [f32; 3], square: f32, found: &mut Vec<u32>) -> u64 {
         let (mut end, mut checks, mut at) = (found.len(), 0, self.first[cell]);

@@ -6,12 +6,13 @@ use std::ops::Range;
 /// each part fills a region of the box.
 #[derive(Clone, Debug, Default)]
 pub struct Division {
-    /// Index of the first particle of each part, and the number of particles; empty if there is only one part.
+    /// Index of the first particle of each part, followed by the number of all particles; empty if there is only one
+    /// part.
     bounds: Vec<u32>,
 }
 
 impl Division {
-    /// Divides `count` particles into `parts` parts of equal size.
+    /// Divides `count` particles into `parts` parts of equal size, with a difference of at most one particle.
     pub fn new(count: usize, parts: usize) -> Self {
         let bounds = if parts > 1 { (0..=parts).map(|k| (k * count / parts) as u32).collect() } else { Vec::new() };
         Self { bounds }
@@ -30,7 +31,8 @@ impl Division {
             .map_or(0, |inner| inner.partition_point(|first| *first <= index))
     }
 
-    /// Indices of the particles of the part to which the particle at `index` belongs.
+    /// Indices of the particles of the part to which the particle at `index` belongs; all indices if there is only one
+    /// part.
     #[inline]
     pub fn of(&self, index: u32) -> Range<u32> {
         if self.bounds.is_empty() {

@@ -11,11 +11,13 @@ use super::next_events::NextEvents;
 use prefetch_index::prefetch_index;
 use std::cmp::Ordering;
 
-/// Intended number of events per bin. It is small enough for cheap insertion, and large enough that there are few bins.
+/// Intended number of events per bin of the near future. It is small enough for cheap insertion, and large enough that
+/// there are few bins.
 const PER_BIN: usize = 32;
 
-/// Number of queued events over the number of bins in the ring, before rounding to a power of two. It determines how
-/// far ahead the ring reaches.
+/// Number of queued events over the number of bins in the ring, before the number of bins is rounded up to a power of
+/// two. It is less than [`PER_BIN`], since bins of later times contain fewer events. So the ring reaches at least about
+/// 64 times as far ahead as the first sixteenth of the events.
 const PARTICLES_PER_BIN: usize = 8;
 
 /// An entry of the sorted list of near events. The entry is outdated if the time of the particle's next event has
@@ -78,8 +80,8 @@ pub struct EventQueue {
 
 impl EventQueue {
     /// Fills the queue with the next events of all particles in `table` that are earlier than `before` [s]; the present
-    /// time is `now` [s]. Both times are counted from the epoch (zero of the calendar's time). The interval of the bins
-    /// is chosen from these events.
+    /// time is `now` [s]. Both times are counted from the epoch (zero of the calendar's time). The interval of time
+    /// that a bin covers is chosen from these events.
     pub fn fill(&mut self, table: EventTable, now: f64, before: f64) {
         let mut times = Vec::with_capacity(table.next_events.len());
         times.extend(table.next_events.iter().map(|events| events.time).filter(|time| *time < before));
@@ -104,8 +106,9 @@ impl EventQueue {
         }
     }
 
-    /// Empties the queue, for a few events that are mostly earlier than `end` [s]; the present time is `now` [s]. Both
-    /// times are counted from the epoch (zero of the calendar's time).
+    /// Empties the queue, and chooses the interval of its bins for a few events that are mostly earlier than `end` [s].
+    /// These events are then inserted. The present time is `now` [s]. Both times are counted from the epoch (zero of
+    /// the calendar's time).
     pub fn restart(&mut self, now: f64, end: f64) {
         self.near.clear();
         self.later.clear();
@@ -136,15 +139,15 @@ impl EventQueue {
         (bin & (self.bins.count() as u64 - 1)) as usize
     }
 
-    /// True if the bin with the number `bin`, counted from the epoch (zero of time), covers a time beyond that of the
-    /// ring.
+    /// True if the bin with the number `bin`, counted from the epoch (zero of time), is beyond the end of the ring,
+    /// because the ring covers earlier times only.
     #[inline]
     fn is_later(&self, bin: u64) -> bool {
         bin.saturating_sub(self.current) >= self.bins.count() as u64
     }
 
-    /// Adds the next event of a particle, given by its index, to the queue after it has changed; the time of the event
-    /// in `table` must be finite.
+    /// Adds the next event of a particle, given by its index, to the queue after this event has changed. The time of
+    /// the event in `table` must be finite.
     #[inline]
     pub fn insert(&mut self, index: u32, table: EventTable) {
         let time = table.time(index);
@@ -195,7 +198,7 @@ impl EventQueue {
         self.near.len().checked_sub(after + 1).map(|at| self.near[at].index)
     }
 
-    /// Makes the next bin that may contain events the present one, and sorts its events into the list of near events.
+    /// Advances to the next bin that may contain events, and sorts the events of this bin into the list of near events.
     /// Returns false if no event is queued.
     fn next_bin(&mut self, table: EventTable) -> bool {
         if self.in_bins == 0 {
@@ -236,7 +239,7 @@ impl EventQueue {
         self.bins.fetch(self.slot(self.current + 2));
     }
 
-    /// Moves from the list `later` to the bins those events that the ring now covers.
+    /// Moves the events that the ring now covers from the list `later` to the bins.
     fn move_later_to_bins(&mut self, table: EventTable) {
         let (count, mut kept) = (self.later.len(), 0);
         for k in 0..count {

@@ -1,14 +1,15 @@
 //! Frame of reference of the calendar (the event queue of all particles). The frame falls with gravity, so flights are
-//! straight in it. At the epoch, the instant from which times are counted, it moves with the mean velocity of the
-//! particles along the walls.
+//! straight in it. When the calendar is built, the frame moves with the mean velocity of the particles along the walls.
+//! If they fly together as a layer, it moves with their whole mean velocity. The epoch is the instant from which times
+//! are counted.
 
 use crate::walls::Flight;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Falling frame, in which flights are straight. Positions are x = x' + offset + u t + g t²/2, and velocities are v =
-/// v' + u + g t. Primes denote values in the frame, u is the velocity of the frame at the epoch, g is gravity, and t is
-/// the time since the epoch (zero of the calendar's time).
+/// Falling frame, in which flights are straight. Positions relative to the scene are x = x' + offset + u t + g t²/2,
+/// and velocities are v = v' + u + g t. Here x' and v' are the values in the frame, and u is the velocity of the frame
+/// at the epoch (zero of the calendar's time). Gravity is g, and t is the time since the epoch.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct FallingFrame {
     /// [m] position of the frame's origin at the epoch, the zero of t, relative to the origin of the scene.
@@ -41,7 +42,7 @@ impl FallingFrame {
         }
     }
 
-    /// Describes this frame with a new zero of time (epoch), which is `time` [s] after the old one.
+    /// Returns this frame with a new zero of time (epoch), which is `time` [s] after the old one.
     pub fn from(&self, time: f64) -> Self {
         Self { offset: self.origin(time), velocity: self.velocity_at(time), gravity: self.gravity }
     }

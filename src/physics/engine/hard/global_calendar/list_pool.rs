@@ -17,7 +17,8 @@ const LEAST: u32 = 2;
 const PER_OCTAVE: u32 = 8;
 
 /// Number of entries of a room (memory block of a neighbour list) with the size number `room`. Below twice
-/// [`PER_OCTAVE`] the size number counts steps of four entries. Above, there are eight sizes for each power of two.
+/// [`PER_OCTAVE`] the size number counts steps of four entries. For larger size numbers, there are eight sizes from one
+/// power of two to the next.
 #[inline]
 pub fn size(room: u8) -> u32 {
     let room = u32::from(room);
@@ -56,15 +57,15 @@ impl ListPool {
         self.free.clear();
     }
 
-    /// Adds a free room (memory block) with the size number `room`, which begins at entry `first` of the array of all
-    /// lists.
+    /// Adds a free room (memory block) with the size number `room`, which begins at the index `first` of the array of
+    /// all lists.
     pub fn give(&mut self, room: u8, first: u32) {
         self.free.resize(self.free.len().max(usize::from(room) + 1), Vec::new());
         self.free[usize::from(room)].push(first);
     }
 
-    /// Removes a free room (memory block) with the size number `room` from the pool. Returns the entry of the array of
-    /// all lists at which the room begins; `None` if no room of this size is free.
+    /// Removes a free room (memory block) with the size number `room` from the pool. Returns the index, in the array of
+    /// all lists, at which the room begins; `None` if no room of this size is free.
     pub fn take(&mut self, room: u8) -> Option<u32> {
         self.free.get_mut(usize::from(room))?.pop()
     }

@@ -28,8 +28,8 @@ use std::f64::consts::{PI, SQRT_2};
 const CROSSINGS: f64 = 8.0;
 
 /// [-] distance that the frame may move towards a wall between two epochs (instants from which times are counted) while
-/// it follows a flying layer of particles, over the largest diameter. All particles within this distance of a wall are
-/// tested for a touch. A shorter distance needs more epochs, at each of which all lists are built again.
+/// it follows a flying layer of particles, divided by the largest diameter. All particles within this distance of a
+/// wall are tested for a touch. A shorter distance needs more epochs, at each of which all lists are built again.
 const FOLLOWED: f64 = 2.0;
 
 /// Smallest number of particles whose common motion the frame follows. The mean velocity of few particles is large by
@@ -41,8 +41,8 @@ const FEWEST: usize = 100;
 const LEFT_BEHIND: f64 = 2.0;
 
 /// Number of collisions per particle after which the particles in the store are sorted again. By then, particles near
-/// in memory are no longer near in space. New shells would measure the motion better, but their number depends on the
-/// number of threads.
+/// in memory are no longer near in space. The number of new shells would be a better measure of this motion, but it
+/// depends on the number of threads.
 const SORT_AFTER: u64 = 40;
 
 /// Kind of change that other parts of the program have made to the particle store since the calendar (event queue of
@@ -91,7 +91,8 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Puts the next events of all particles into the event queue, which one thread processes.
+    /// Puts the next events of all particles into the event queue for a single thread, and ends the division of the
+    /// particles among threads.
     pub(super) fn fill_queue(&mut self) {
         self.parts.clear();
         let table = EventTable { first: 0, next_events: &self.next_events, ids: &self.ids };
@@ -110,7 +111,8 @@ impl GlobalCalendar {
         self.touch_times += touch_times.sum::<u64>();
     }
 
-    /// True if the particles fly as a layer that the frame does not follow, as after a rebound from a floor.
+    /// True if the particles fly together as a layer with a velocity that the frame does not have, for instance after a
+    /// rebound from a floor.
     fn is_left_behind(&self, particles: &Particles, scene: &Scene) -> bool {
         if !is_built_each_epoch(scene) || particles.len() < FEWEST {
             return false;
@@ -258,7 +260,7 @@ impl GlobalCalendar {
     }
 
     /// Replaces the velocities of all flights by those in the particle store, after drag or other kicks have changed
-    /// these. `start` [s] is the simulated time.
+    /// the velocities in the store. `start` [s] is the simulated time.
     fn reload_velocities(&mut self, work: &mut Work<Recent>, start: f64) -> Result<(), Failure> {
         let of_frame = self.frame.velocity_at(self.now);
         let velocities = self.velocities_after_kick(work);
@@ -362,15 +364,15 @@ impl GlobalCalendar {
     }
 }
 
-/// Component of a velocity or acceleration common to all particles that moves them towards the walls. It is zero if the
-/// vector is parallel to all walls.
+/// Component towards the walls of `vector`, a velocity or acceleration common to all particles. It is zero if the
+/// vector is parallel to all walls, or without walls. If a wall is not a plane, it is the whole vector.
 fn across(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     vector - along_walls(scene, vector)
 }
 
-/// [m/s] velocity of the frame of the calendar: the mean velocity of the particles along the walls. If the particles
-/// fly as a layer, faster than they move relative to one another, the frame follows them in all directions. Otherwise
-/// each particle would soon leave its shell (ball in which its neighbour list is valid).
+/// [m/s] velocity of the frame of the calendar: usually the mean velocity of the particles along the walls. If the
+/// particles fly as a layer, faster than they move relative to one another, the frame follows the layer also towards
+/// the walls. If it did not, each particle would soon leave its shell (ball in which its neighbour list is valid).
 fn frame_velocity(particles: &Particles, scene: &Scene) -> Vector3<f64> {
     if !is_built_each_epoch(scene) {
         return along_walls(scene, particles.mean_velocity());
@@ -439,19 +441,19 @@ fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f6
 }
 
 /// Distance [m] that a particle may move from the centre of its shell (ball in which its neighbour list is valid). A
-/// larger distance needs fewer new shells but longer lists. The cheapest distance is taken, by fixed weights that serve
-/// only for this choice, not for a prediction of run times. `density` [1/m³] is the number density. `crowds` contains
-/// the number densities [1/m³] and largest diameters [m] of groups of similar size.
+/// larger distance needs fewer new shells but longer lists. The distance of lowest cost is taken; the costs in this
+/// function serve only for this choice. `density` [1/m³] is the number density. `crowds` contains the number densities
+/// [1/m³] and largest diameters [m] of groups of similar size.
 fn margin(particles: &Particles, density: f64, crowds: &[(f64, f64)], scene: &Scene) -> f64 {
     /// [ns] cost of making a new shell (ball in which a neighbour list is valid): a fixed part, the cost per distance
     /// computed, and the cost per neighbour.
     const SHELL: [f64; 3] = [200.0, 3.0, 12.0];
-    /// [ns] cost of predicting the events of a particle: a fixed part, and the cost per neighbour (tested in groups of
-    /// four). Without groups the second value was 7.0. With 7.0 instead of 3.5, dense gases take 1.03 to 1.05 times as
-    /// long (10,000 spheres at volume fractions of 0.3 and 0.5).
+    /// [ns] cost of predicting the events of a particle: a fixed part, and the cost per neighbour. Neighbours are
+    /// tested in groups of four; tested one by one, each cost 7.0. With 7.0 instead of 3.5, dense gases take 1.03 to
+    /// 1.05 times as long (10,000 spheres at volume fractions of 0.3 and 0.5).
     const EVENT: [f64; 2] = [80.0, 3.5];
-    /// [-] number of predictions per collision of a particle. One prediction follows each collision. The others are
-    /// needed when an event was cancelled because its partner collided first.
+    /// [-] number of predictions per collision of a particle. One prediction follows each collision. Further
+    /// predictions are needed when the next event of a particle is void because its partner collided first.
     const FORETOLD: f64 = 1.7;
     let count = particles.len().max(1) as f64;
     let diameter = 2.0 * particles.radius.iter().sum::<f64>() / count;

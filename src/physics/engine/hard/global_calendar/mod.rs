@@ -48,7 +48,8 @@ use shells::Shells;
 use std::time::Duration;
 use walls::WallContacts;
 
-/// Data of a calendar that no event changes ([`CalendarView`]), while its other data are borrowed to be changed.
+/// View of those data of a calendar that no event changes ([`CalendarView`]). It is a macro, so that the other data of
+/// the calendar can be changed at the same time.
 macro_rules! view_of {
     ($calendar:expr, $scene:expr) => {
         $crate::engine::hard::global_calendar::view::CalendarView {
@@ -91,8 +92,8 @@ macro_rules! whole_of {
 }
 use whole_of;
 
-/// Number of collisions after which the log is added to the record. A time window may have millions of collisions. A log
-/// of this length stays in the processor's cache.
+/// Number of collisions after which the log (impacts not yet counted) is added to the record of the run. A time window
+/// may have millions of collisions. A log of this length stays in the processor's cache.
 const KEPT: u64 = 1 << 8;
 
 /// Appends an item to a list. A full list grows by an eighth, since the default growth would double its memory.
@@ -104,8 +105,8 @@ fn append<T>(list: &mut Vec<T>, item: T) {
     list.push(item);
 }
 
-/// True if the log must be added to the record after the collision with this number. The number counts all collisions of
-/// the run, so the sums in the ledger do not depend on the division of the work.
+/// True if the log must be added to the record after the collision with the number `collisions`. The number counts all
+/// collisions of the run, so the sums in the ledger do not depend on the division of the work among threads.
 fn is_full(collisions: u64) -> bool {
     collisions.is_multiple_of(KEPT)
 }
@@ -136,8 +137,8 @@ pub struct GlobalCalendar {
     /// Time [s] since the epoch (zero of the calendar's time) until which neighbour lists across the sheared sides of
     /// the box are valid, since images slide there; infinite without shear.
     lists_valid_until: f64,
-    /// True for each periodic axis along which the box is so short that a pair may touch through an image other than
-    /// the nearest one.
+    /// True for each periodic axis along which the box is so short that two particles may touch through an image other
+    /// than the nearest one.
     far_images: [bool; 3],
     /// Number of collisions when the particle store was last sorted.
     sorted_at: u64,
@@ -155,14 +156,17 @@ pub struct GlobalCalendar {
     /// Parts of the particles whose events the threads process; empty while one thread processes all events.
     #[serde(skip)]
     parts: Vec<PartState>,
-    /// Lists of the events in a round that concern several parts.
+    /// Data of those events in a round (piece of time in which several threads process events) that concern several
+    /// parts.
     #[serde(skip)]
     border: Round,
-    /// [m] distance from the surface of its shell at which a particle gets a new shell, so that shells need not be made
-    /// during a round (piece of time in which several threads process events).
+    /// [m] distance to the surface of its shell at which a particle is to get a new shell. It may fly on by this
+    /// distance during a round (piece of time in which several threads process events); new shells are made after the
+    /// round.
     #[serde(skip)]
     slack: f64,
-    /// [s] time after this exit for which touches are predicted.
+    /// [s] time after the next exit of a particle from its shell, for which its touches are predicted while several
+    /// threads share the events.
     #[serde(skip)]
     grace: f64,
     /// [m/s] speed that no particle may exceed in a round.
@@ -171,10 +175,10 @@ pub struct GlobalCalendar {
     /// [s] length of a round.
     #[serde(skip)]
     round: f64,
-    /// [s] time since the epoch at which shells were last made between rounds.
+    /// [s] time since the epoch (zero of the calendar's time) at which new shells were last made between rounds.
     #[serde(skip)]
     renewed_at: f64,
-    /// Number of times that shells have been made between rounds since the particles were divided.
+    /// Number of times that new shells have been made between rounds since the particles were divided into parts.
     #[serde(skip)]
     renewals: u32,
     #[serde(skip)]
@@ -214,8 +218,8 @@ impl CalendarWindow {
 
 impl GlobalCalendar {
     /// Moves all particles through a window, the time between two exchanges with the gas. `outdated` must be true if
-    /// islands have moved particles since the last call; collision histories are then taken from `work.lasting`, which
-    /// contains recent collisions only.
+    /// islands (groups of particles computed separately) have moved particles since the last call. Collision histories
+    /// are then taken from `work.lasting`, which contains recent collisions only.
     ///
     /// # Errors
     /// Inelastic collapse, or velocities that are not finite numbers; the store then contains the state at the time of
@@ -293,8 +297,8 @@ impl GlobalCalendar {
         self.touch_times += counts.touch_times;
     }
 
-    /// Last collisions of all particles that collided less than the contact time of the TC model (in which their next
-    /// collision is elastic) before simulated time `time` [s]. Empty without a contact time.
+    /// Last collision of each particle that collided less than the contact time before simulated time `time` [s]. In
+    /// the TC model, a collision so soon after another one is elastic. The list is empty without a contact time.
     pub fn recent(&self, time: f64) -> impl Iterator<Item = Recent> {
         recent(self.last_collisions.iter(), self.contact_time, time)
     }
@@ -304,8 +308,8 @@ impl GlobalCalendar {
         self.touch_times + self.shells.checks
     }
 
-    /// Copy of this event queue of all particles for a snapshot of the run. It does not depend on the order in which
-    /// the lists were built.
+    /// Copy of this event queue of all particles for a snapshot of the run. The copy does not depend on the order in
+    /// which neighbour lists were built.
     pub fn state(&self) -> Self {
         let (shells, next_events) = self.shells.tidy(&self.next_events);
         let without = Self { queue: EventQueue::default(), parts: Vec::new(), ..self.clone() };

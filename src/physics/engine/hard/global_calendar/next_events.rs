@@ -15,8 +15,8 @@ pub struct FlightState {
     pub position: Vector3<f64>,
     /// [m/s] velocity of the particle in the frame that falls with gravity.
     pub velocity: Vector3<f64>,
-    /// [s] time since the epoch (zero of the calendar's time) at which the particle is at `position`: that of its last
-    /// collision.
+    /// [s] time since the epoch (zero of the calendar's time) at which the particle is at `position`. The flight begins
+    /// at this time, usually with a collision.
     pub time: f64,
     /// Number of the particle's combination of radius and mass in `Shells::kinds`.
     pub kind: u32,
@@ -40,13 +40,13 @@ impl FlightState {
     }
 }
 
-/// Kind of an event that a particle has next.
+/// Kind of an event of a particle, in its list of next events.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum EventKind {
-    /// Touch of the particle with this index. The event is void if that particle collides before.
+    /// Touch with the particle that has this index. The event is void if that particle collides before.
     Pair(u32),
-    /// Touch of the wall contact with this number. A wall may have several contacts, such as one for each side of a
-    /// box; those of all walls are numbered in the order of the scene.
+    /// Touch at the wall contact with this number. A wall may have several contacts, such as one for each side of a
+    /// box. The contacts of all walls are numbered in the order of the scene.
     Wall(u32),
     /// The particle leaves its shell (the ball in which its neighbour list is valid), so it needs a new list.
     LeaveShell,
@@ -100,8 +100,9 @@ impl NextEvents {
         self.second_time > self.time
     }
 
-    /// Puts a touch with the particle at `partner` before the stored events. `time` [s] since the epoch is the time of
-    /// the touch, and `detail` the partner's number of collisions.
+    /// Puts a touch with the particle that has the index `partner` before the next event, which becomes the second
+    /// event. `time` [s] since the epoch is the time of the touch, and `detail` the partner's number of collisions so
+    /// far.
     pub fn put_first(&mut self, time: f64, partner: u32, detail: u32) {
         (self.second_time, self.second_kind, self.second_detail) = (self.time, self.kind, self.detail);
         (self.time, self.kind, self.detail) = (time, EventKind::Pair(partner), detail);

@@ -1,5 +1,5 @@
-//! Events of the particles with consecutive indices: of all particles, or of the part of them that one thread
-//! processes.
+//! Events of particles with consecutive indices: of all particles, or of the part of them that one thread processes.
+//! Times are counted from the epoch, the zero of the calendar's time. The calendar is the event queue of all particles.
 
 use super::event_queue::{EventQueue, EventTable};
 use super::next_events::{EventKind, FlightState, NextEvents};
@@ -15,7 +15,7 @@ use crate::record::{Log, Record};
 use nalgebra::Vector3;
 use prefetch_index::prefetch_index;
 
-/// Numbers of events and of predictions.
+/// Numbers of collisions and of predictions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EventCounts {
     /// Number of collisions.
@@ -30,7 +30,7 @@ pub struct Part<'a> {
     pub around: &'a CalendarView<'a>,
     /// The particle store, with the species of all particles.
     pub particles: ParticleAccess<'a>,
-    /// Index of the first particle.
+    /// Index of the first particle of the part in the particle store.
     pub first: u32,
     /// Flights of the particles.
     pub bodies: &'a mut [FlightState],
@@ -42,18 +42,18 @@ pub struct Part<'a> {
     pub queue: &'a mut EventQueue,
     /// [s] present time since the epoch (zero of the calendar's time).
     pub now: f64,
-    /// The window, for simulated times.
+    /// The present window, by which times since the epoch are converted to simulated times.
     pub span: CalendarWindow,
     /// Log of the collisions.
     pub log: &'a mut Log,
-    /// Numbers of events since the part was made.
+    /// Numbers of collisions and predictions since the part was made.
     pub counts: EventCounts,
     /// The round in which several threads process events; `None` if only one thread does.
     pub round: Option<&'a mut Round>,
 }
 
 impl Part<'_> {
-    /// Position in the lists of this part of the particle with the index `index` in the particle store.
+    /// Place in the lists of this part, such as `bodies`, of the particle with the index `index` in the particle store.
     #[inline(always)]
     pub fn place(&self, index: u32) -> usize {
         index.wrapping_sub(self.first) as usize
@@ -64,7 +64,8 @@ impl Part<'_> {
         &self.bodies[self.place(index)]
     }
 
-    /// Index of the particle with the earliest event; `None` if no event is earlier than `before` [s] since the epoch.
+    /// Removes the earliest event from the queue, and makes its time the present time. Returns the index of the
+    /// particle that has this event; `None` if no event is earlier than `before` [s] since the epoch.
     #[inline]
     pub fn next(&mut self, before: f64) -> Option<u32> {
         let table = EventTable { first: self.first, next_events: self.next_events, ids: self.around.ids };
@@ -74,9 +75,9 @@ impl Part<'_> {
         Some(index)
     }
 
-    /// Processes the events up to the time `stop` [s] since the epoch. Returns early with the index of a particle that
-    /// leaves its shell (ball in which its neighbour list is valid) and therefore needs a new one. `before` is the number
-    /// of collisions of the run so far.
+    /// Processes the events up to the time `stop` [s] since the epoch, and then returns `None`. Returns early with the
+    /// index of a particle that leaves its shell (ball in which its neighbour list is valid) and therefore needs a new
+    /// one. `before` is the number of collisions of the run so far.
     pub fn run(&mut self, stop: f64, record: &mut Record, before: u64) -> Result<Option<u32>, Failure> {
         while let Some(index) = self.next(stop) {
             let collisions = self.counts.collisions;
@@ -93,8 +94,8 @@ impl Part<'_> {
         Ok(None)
     }
 
-    /// Prefetches the data of the next events into the processor's cache. Data are fetched in stages, one event apart:
-    /// first a particle, then its partner and its neighbour list, then the neighbours.
+    /// Prefetches the data of the next events into the processor's cache. The data of an event are fetched in stages,
+    /// one stage per processed event: first the particle, then its partner and its neighbour list, then the neighbours.
     fn fetch_ahead(&self) {
         let upcoming = |after| self.queue.upcoming(after).map(|index| &self.next_events[self.place(index)]);
         let shells = self.around.shells;
@@ -135,8 +136,8 @@ impl Part<'_> {
         self.around.shells.neighbours(&events.shell).iter().for_each(|&k| prefetch_index(&*self.bodies, self.place(k)));
     }
 
-    /// Processes the next event of the particle at `index`. An event is void if its partner has collided meanwhile; if a
-    /// second event is stored, it then replaces the void one in the queue. Otherwise the next events of all particles
+    /// Processes the next event of the particle at `index`. If the partner of a touch has collided meanwhile, the event
+    /// is void, and the second event replaces it if one is stored. In all other cases the next events of the particles
     /// that took part are predicted. Returns true if the particle leaves its shell (ball in which its neighbour list is
     /// valid) and needs a new one at once.
     #[inline]
@@ -182,7 +183,8 @@ impl Part<'_> {
         Ok(false)
     }
 
-    /// Replaces the next event of the particle at `index` by the second one. Returns false if no second event is stored.
+    /// Replaces the next event of the particle at `index` by its stored second event. Returns false if no second event
+    /// is stored.
     #[inline]
     fn take_second(&mut self, index: u32) -> bool {
         let events = &mut self.next_events[(index - self.first) as usize];
@@ -194,7 +196,8 @@ impl Part<'_> {
         has_second
     }
 
-    /// Processes the next event of the particle at `index` in a round. Returns false if the round must be undone.
+    /// Processes the next event of the particle at `index` in a round (piece of time in which several threads process
+    /// events). Returns false if the round must be undone.
     #[inline]
     pub fn event_in_round(&mut self, index: u32) -> bool {
         let result = self.event(index);
@@ -242,9 +245,9 @@ impl Part<'_> {
         }
     }
 
-    /// Position and velocity of particle `couple.i` relative to the other body at the present time, to which both
-    /// flights must have been advanced. For a wall, `struck` is the number of the surface feature (such as a triangle)
-    /// that is touched.
+    /// Position and velocity of particle `couple.i` relative to the other body at the present time. The flights of both
+    /// must have been advanced to this time. For a wall, `struck` is the number of the surface feature (such as a
+    /// triangle) that is touched.
     fn meet(&self, couple: &Couple, struck: u32) -> Encounter {
         let around = self.around;
         let body = self.body(couple.i);
@@ -326,8 +329,8 @@ impl Part<'_> {
         self.watch(&collision, time)
     }
 
-    /// Velocity [m/s] along z of the periodic image that particle `couple.i` hits, relative to the other particle
-    /// itself. It is 0 unless the two meet across a sheared side of the box.
+    /// Velocity [m/s] along z of the periodic image of the other particle that particle `couple.i` hits, relative to
+    /// the other particle itself. It is 0 unless the two meet across a sheared side of the box.
     fn image_velocity(&self, couple: &Couple, met: &Encounter) -> f64 {
         let domain = &self.around.scene.domain;
         let Some(j) = couple.j().filter(|_| domain.shear.is_some()) else { return 0.0 };
@@ -347,8 +350,8 @@ impl Part<'_> {
         }
     }
 
-    /// True if the TC model makes a collision of these bodies at simulated time `time` [s] elastic: one of them
-    /// collided less than the contact time before.
+    /// True if the TC model makes a collision of these bodies at simulated time `time` [s] elastic. It does so if one
+    /// of them last collided less than the contact time before.
     fn in_contact(&self, couple: &Couple, time: f64) -> bool {
         let Some(contact_time) = self.around.contact_time else { return false };
         let last = |index: u32| self.last_collisions[self.place(index)].last;

@@ -52,21 +52,22 @@ impl Events {
 const AT_ONCE: usize = 4;
 
 /// [-] smallest resolvable speed of approach, divided by the sum of the speeds of both particles. A slower approach is
-/// a rounding error, as in [`first_touch`].
+/// treated as a rounding error and not as an approach, as in [`first_touch`].
 const RESOLUTION: f64 = 4.0 * f64::EPSILON;
 
-/// Flights of particles with consecutive indices, and all that a prediction of their events reads.
+/// Flights of particles with consecutive indices, and all other data that a prediction of their events reads.
 #[derive(Clone, Copy)]
 pub struct Flights<'a> {
     /// Data that no event changes.
     pub around: &'a CalendarView<'a>,
-    /// Index of the first particle.
+    /// Index of the first particle of these flights in the particle store.
     pub first: u32,
-    /// Flights of the particles from this index on. Neighbours without a flight in this list are left out.
+    /// Flights of the particles from the index `first` on. Predictions leave out neighbours without a flight in this
+    /// list.
     pub bodies: &'a [FlightState],
     /// [s] present time since the epoch (zero of the calendar's time).
     pub now: f64,
-    /// True if no flight begins later than now.
+    /// True if no flight begins later than `now`.
     pub in_order: bool,
 }
 
@@ -77,9 +78,10 @@ impl<'a> Flights<'a> {
         self.bodies.get(index.wrapping_sub(self.first) as usize)
     }
 
-    /// Start [s] since the epoch of the later of the present flights of a particle with the flight `body` and of the
-    /// particle `j`, if they may have touched between `start` [s] and this time. Predictions from the present flights do
-    /// not see such a touch. `None` if they have not touched. No particle was faster than `speed` [m/s].
+    /// Tests if a particle with the flight `body` and the particle `j` may have touched after the time `start` [s], but
+    /// before the later of their present flights began. Predictions from the present flights miss such a touch. Returns
+    /// the start [s] of the later flight, or `None` if such a touch is impossible. `speed` [m/s] is an upper limit of
+    /// all speeds. Times are counted from the epoch (zero of the calendar's time).
     #[inline]
     pub fn may_have_touched(&self, body: &FlightState, j: u32, start: f64, speed: f64) -> Option<f64> {
         let other = self.get(j)?;
@@ -91,7 +93,7 @@ impl<'a> Flights<'a> {
         (square <= reach * reach).then_some(later)
     }
 
-    /// Writes the next two events of the particle with the flight `body` into its entry `events`.
+    /// Predicts the next two events of the particle with the flight `body`, and writes them into its entry `events`.
     #[inline]
     pub fn predict_into(&self, body: &FlightState, events: &mut NextEvents) {
         let Events { first, second } = self.next_events(body, &events.shell);
@@ -105,8 +107,8 @@ impl<'a> Flights<'a> {
     }
 
     /// Finds the earliest two events of a particle. The candidates are the exit from its shell (ball in which its
-    /// neighbour list is valid), the end of prediction, and all touches. If the end of prediction is the first event,
-    /// both events are the same.
+    /// neighbour list is valid), the end of prediction, and all touches. If no other event comes before the end of
+    /// prediction, both events are this end.
     #[inline]
     fn next_events(&self, body: &FlightState, shell: &Shell) -> Events {
         let around = self.around;
@@ -160,8 +162,8 @@ impl<'a> Flights<'a> {
         near.into_iter().flat_map(|wall| walls.of_wall(wall)).for_each(&mut ask);
     }
 
-    /// Adds to `events` the coming touches of a particle with the nearest images of its neighbours. The processor's
-    /// vector instructions are used if it has them.
+    /// Adds to `events` the coming touches of a particle with the nearest images of its neighbours. If the processor
+    /// has vector instructions for four numbers, they are used.
     #[inline]
     fn touches(&self, body: &FlightState, shell: &Shell, events: &mut Events) {
         let domain = &self.around.scene.domain;
@@ -189,9 +191,10 @@ impl<'a> Flights<'a> {
         self.touches_by(body, shell, |others, touch| view.one_by_one(others, touch), events);
     }
 
-    /// Adds to `events` the coming touches of a particle with its neighbours. The function `test` tests four neighbours
-    /// at a time and marks those that may touch soon enough; only for these a time of touch is computed. Marking needs
-    /// no branches, of which the processor would mispredict every second one.
+    /// Adds to `events` the coming touches of a particle with its neighbours. The function `test` takes four neighbours
+    /// and the squared distances [m²] of the centres at touch. It marks the neighbours that may touch soon enough; only
+    /// for these a time of touch is computed. Marking needs no branches, of which the processor would mispredict every
+    /// second one.
     #[inline(always)]
     fn touches_by(
         &self,
@@ -227,8 +230,8 @@ impl<'a> Flights<'a> {
         }
     }
 
-    /// Adds to `events` the touch of a particle with one approaching neighbour. `k` is the number of the neighbour in
-    /// the group `four`, and `index` its particle index.
+    /// Adds to `events` the touch of a particle with one approaching neighbour. `k` is the number (0 to 3) of the
+    /// neighbour in the group `four`, and `index` its particle index.
     #[inline(always)]
     fn touch(&self, body: &FlightState, four: &FourNeighbours, (k, index): (usize, u32), events: &mut Events) {
         let (closing, gap, discriminant) = (four.closing[k], four.gap[k], four.discriminant[k]);
@@ -244,9 +247,9 @@ impl<'a> Flights<'a> {
         }
     }
 
-    /// Adds to `events` the coming touches of a particle with all images of its neighbours. This is needed near sheared
-    /// sides, and in a box so short that images other than the nearest may touch. The times are computed from the
-    /// present places.
+    /// Adds to `events` the coming touches of a particle with all images of its neighbours. These are needed near
+    /// sheared sides, and in a box so short that images other than the nearest may touch. The times of touch are
+    /// computed from the present positions.
     fn all_images(&self, body: &FlightState, neighbours: &[u32], events: &mut Events) {
         let around = self.around;
         let size = &around.scene.domain.size;
@@ -271,7 +274,8 @@ impl<'a> Flights<'a> {
     }
 
     /// Time [s] from now until a particle leaves its shell (ball in which its neighbour list is valid) with the centre
-    /// `centre` [m]. It is infinite if the particle does not move in the falling frame.
+    /// `centre` [m]. While several threads share the events, the exit counts at the distance `slack` inside the
+    /// surface. The time is infinite if the particle does not move in the falling frame.
     fn leave(&self, body: &FlightState, centre: &Vector3<f64>) -> f64 {
         let (margin, domain) = (self.around.shells.margin - self.around.slack, &self.around.scene.domain);
         let from = domain.nearest_image(&(body.position_at(self.now) - centre));

@@ -1,4 +1,5 @@
-//! Amounts that the collisions in a round add to the ledger of the run, in the order of time.
+//! Amounts that collisions add to the ledger (sums of energies and momenta of a run), in the order of time. They are
+//! stored for one round, a piece of time in which several threads process events.
 
 use super::{append, is_full};
 use crate::engine::hard::impulse::Collision;
@@ -9,9 +10,9 @@ use std::cmp::Ordering;
 /// Amounts that a collision adds to the ledger (sums of energies and momenta of the run).
 #[derive(Clone, Debug)]
 enum Amounts {
-    /// Virial, loss by restitution and loss by friction of a collision of two particles.
+    /// Virial [J], loss by restitution [J] and loss by friction [J] of a collision of two particles.
     Pair(Matrix3<f64>, f64, f64),
-    /// Any amounts.
+    /// Amounts of any kind, for a collision with a wall, or one that the TC model makes elastic.
     Any(Box<Ledger>),
 }
 
@@ -20,7 +21,7 @@ enum Amounts {
 struct CollisionRecord {
     /// [s] time since the epoch (zero of the calendar's time).
     time: f64,
-    /// Id of the particle whose event the collision was.
+    /// Id of the particle in whose entry of the event queue the collision was stored.
     id: u32,
     amounts: Amounts,
 }
@@ -33,8 +34,8 @@ pub struct Records {
 
 impl Records {
     /// Moves the amounts of one collision from the ledger of `log` to this list. The impact stays in the log. The
-    /// collision was an event of the particle with the id `id`, at `time` [s] since the epoch (zero of the calendar's
-    /// time).
+    /// collision was the next event of the particle with the id `id`, at `time` [s] since the epoch (zero of the
+    /// calendar's time).
     #[inline]
     pub fn take(&mut self, time: f64, id: u32, collision: &Collision, log: &mut Log) {
         let ledger = &mut log.ledger;
@@ -54,9 +55,9 @@ impl Records {
         self.collisions.clear();
     }
 
-    /// Adds the amounts of the collisions of all lists to the ledger of `log`, in the order of time, as if one thread had
-    /// processed them all. If the log is full, it is added to the record of the run. `before` is the number of collisions
-    /// of the run so far.
+    /// Adds the amounts of the collisions of all lists to the ledger of `log`, in the order of time, as if one thread
+    /// had processed all collisions. If the log is full, it is added to the record of the run. `before` is the number
+    /// of collisions of the run before these.
     pub fn merge(lists: &[&Self], log: &mut Log, record: &mut Record, before: u64) {
         let mut collisions = before;
         let mut rest: Vec<&[CollisionRecord]> = lists.iter().map(|list| list.collisions.as_slice()).collect();

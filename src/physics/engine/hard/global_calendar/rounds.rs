@@ -1,18 +1,21 @@
 //! Rounds: short pieces of time in which several threads process the events of dense hard spheres.
 //!
-//! Each thread has a part of the particles: consecutive indices, and so a region of the box. A round has three steps:
+//! Each thread has a part of the particles: consecutive indices, and so a region of the box. A shell is a ball around a
+//! particle in which its neighbour list is valid. Times are counted from the *epoch*, the zero of the calendar's time.
+//! A round has three steps:
 //!
 //! 1. Each thread processes the events of its part as if there were no other parts. A particle whose next event is a
 //!    touch with another part is *stopped*. So is a particle whose next event is a touch with a stopped one.
 //! 2. Each thread predicts the events of the particles at its border again, now with the particles of other parts.
 //! 3. One thread processes the events of stopped particles, and those that step 2 has found, in the order of time.
 //!
-//! If one of these events comes too late, since a particle has had a later event before, the round is undone and repeated
-//! with half the length. This is rare, because few particles have two events in a round. The time of a touch depends
-//! only on two flights, so the results have the bits of one thread.
+//! If an event of step 3 comes too late, since its particle has already had a later event, the round is undone and
+//! repeated with a shorter length. This is rare, because few particles have two events in a round. The time of a touch
+//! depends only on two flights, so the results are bit for bit those of a single thread.
 //!
-//! Particles get new shells between rounds. Before, they may fly on beyond the surface of their shells by a small
-//! distance. If a particle is so fast that it may fly farther, the round is undone, and one thread repeats it.
+//! Particles get new shells between rounds. A particle gets one when it has come near the surface of its shell. Until
+//! then it may fly on by a small distance, which is left for this purpose. If a particle becomes so fast that it may
+//! fly farther, the round is undone, and one thread repeats it.
 
 use super::division::Division;
 use super::event_queue::{EventQueue, EventTable};
@@ -31,62 +34,66 @@ use crate::record::{Log, Record};
 use crate::scene::Scene;
 use crate::work_sharing;
 
-/// Smallest number of particles of a part. With 4000 in each of two parts, two threads were slower than one.
+/// Smallest number of particles in a part, the particles of one thread. With 4000 in each of two parts, two threads
+/// were slower than one.
 const FEWEST: usize = 10_000;
 
-/// [-] distance beyond the surface of its shell that a particle may fly, over the margin of the shell. It determines how
-/// often new shells are made.
+/// [-] distance to the surface of its shell at which a particle is to get a new shell, over the margin. The margin is
+/// the largest distance of a particle from the centre of its shell. The particle may fly on by the small distance until
+/// the next new shells are made.
 const SLACK: f64 = 0.08;
 
 /// [-] speed that no particle may exceed in a round, over the largest speed when the particles were divided.
 const FASTER: f64 = 1.25;
 
-/// [-] factor by which rounds become longer after each success.
+/// [-] factor by which rounds become longer after each successful round with few collisions.
 const LONGER: f64 = 1.02;
 
-/// [-] factor by which rounds become shorter after each failure. Together with [`LONGER`], about one round in ten fails.
+/// [-] factor by which rounds become shorter after each failed round. Together with [`LONGER`], about one round in ten
+/// fails.
 const SHORTER: f64 = 0.8;
 
-/// [-] shortest length of a round over the longest. The first round has this length: just after a random start there are
-/// very many collisions, whose states would need much memory.
+/// [-] shortest length of a round over the longest. The first round has the shortest length: just after a random start
+/// there are very many collisions. The states stored to undo them would need much memory.
 const SHORTEST: f64 = 1e-3;
 
 /// Number of particles per collision of a round, below which rounds do not become longer. It bounds the memory for the
-/// states before the collisions.
+/// states that are stored to undo a round.
 const PER_COLLISION: usize = 128;
 
-/// Number of failures after which one thread processes the events of a round.
+/// Number of failures of a round after which one thread processes the events of this round.
 const ATTEMPTS: u32 = 3;
 
-/// Number of times that shells are made before the largest speed is computed again.
+/// Number of times that new shells are made between rounds before the largest speed is computed again.
 const RENEWALS: u32 = 64;
 
 /// Number of particles whose neighbour lists one thread makes at a time.
 const TOGETHER: usize = 16;
 
-/// Lists to which the events of a round add.
+/// Data that the events of one round write: those of one part, or those that concern several parts.
 #[derive(Clone, Default)]
 pub struct Round {
     /// [s] time since the epoch (zero of the calendar's time) at which the round begins.
     pub start: f64,
-    /// Particles that have left their shells.
+    /// Indices of particles that need new shells.
     pub leaving: Vec<u32>,
-    /// Particles with neighbours in other parts whose events were predicted without these neighbours.
+    /// Indices of particles whose events were predicted without their neighbours in other parts. In step 3 of a round:
+    /// indices of particles whose next event is a touch with another particle.
     pub predicted: Vec<u32>,
-    /// States of particles before the events.
+    /// States of particles before the events, from which the round can be undone.
     pub undo: Undo,
-    /// Collisions.
+    /// Collisions of the round, with their amounts for the ledger.
     pub records: Records,
-    /// Numbers of events and of predictions.
+    /// Numbers of collisions and of predictions.
     pub counts: EventCounts,
-    /// [m/s] speed that no particle may exceed.
+    /// [m/s] speed that no particle may exceed in the round.
     pub speed: f64,
-    /// True if the events are those of several parts, which may come too late.
+    /// True in step 3 of a round, in which one thread processes the events that concern several parts.
     pub is_border: bool,
-    /// True if a particle was too fast, or if an event failed.
+    /// True if a particle was too fast, or if an event failed; one thread then repeats the round.
     pub must_be_repeated: bool,
-    /// [s] time since the epoch of the first event that came too early, before one that it depends on; infinite if none
-    /// did. The round is then repeated up to this time.
+    /// [s] time since the epoch of the earliest event that was processed too early, before another event on which it
+    /// depends; infinite if there is none. The round is then repeated up to this time.
     pub early: f64,
 }
 
@@ -96,8 +103,9 @@ impl Round {
         (self.must_be_repeated, self.early) = (false, f64::INFINITY);
     }
 
-    /// Notes an event at the time `now` [s] since the epoch of a particle whose flight began at `time` [s]. If the flight
-    /// began later, the event at its start came too early.
+    /// Checks the order of two events of a particle: the present one at `now` [s], and the one at `time` [s] with which
+    /// its flight began. Both times are counted from the epoch. If `time` is later than `now`, the event at `time` was
+    /// processed too early.
     #[inline]
     pub fn note_order(&mut self, time: f64, now: f64) {
         if time > now {
@@ -111,15 +119,15 @@ impl Round {
     }
 }
 
-/// Part of the particles, between the pieces of work of its thread.
+/// State of one part of the particles, stored from round to round.
 #[derive(Clone, Default)]
 pub struct PartState {
     queue: EventQueue,
     /// One bit for each particle of the part: set if the particle is stopped.
     stopped: Vec<u64>,
-    /// Particles whose next event one thread must process.
+    /// Indices of particles whose next event is left to the single thread of step 3.
     deferred: Vec<u32>,
-    /// Particles that were found to touch another part after the round.
+    /// Indices of particles whose next event is a touch with a particle of another part after the end of the round.
     across: Vec<u32>,
     round: Round,
     /// Log of the collisions. Its impacts are counted in `record` when the next round begins.
@@ -129,9 +137,9 @@ pub struct PartState {
 }
 
 impl PartState {
-    /// Predicts the events of the particles in `predicted` with the neighbours of all parts. Events before `end` [s]
-    /// since the epoch are left to one thread. `next_events` are those of the part, whose first particle has the index
-    /// `first`.
+    /// Predicts the events of the particles in `round.predicted` with the neighbours in all parts. Events before `end`
+    /// [s] since the epoch are left to the single thread of step 3. `next_events` are those of this part, whose first
+    /// particle has the index `first`.
     fn complete(&mut self, all: Flights, (first, next_events): (u32, &mut [NextEvents]), end: f64) {
         let Self { queue, deferred, across, round, .. } = self;
         let own = first..first + next_events.len() as u32;
@@ -165,8 +173,9 @@ impl PartState {
     }
 }
 
-/// Processes the events of a part up to `end` [s] since the epoch as if there were no other parts. Particles whose next
-/// event is a touch with another part, or with a stopped particle, are stopped and added to `deferred`.
+/// Processes the events of a part up to `end` [s] since the epoch as if there were no other parts. A particle is
+/// stopped if its next event is a touch with a particle of another part or with a stopped particle. Its index is then
+/// added to `deferred`. `stopped` has one bit for each particle of the part.
 fn process(mut part: Part, stopped: &mut [u64], deferred: &mut Vec<u32>, end: f64) {
     while let Some(index) = part.next(end) {
         let is_stopped = |index: u32, stopped: &[u64]| {
@@ -187,7 +196,7 @@ fn process(mut part: Part, stopped: &mut [u64], deferred: &mut Vec<u32>, end: f6
     }
 }
 
-/// The parts, each with the index of its first particle and the next events of its particles.
+/// List of the parts, each with the index of its first particle and the next events of its particles.
 fn pieces<'a>(
     parts: &'a mut [PartState],
     division: &Division,
@@ -295,7 +304,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Chooses the speed that no particle may exceed, and the lengths of rounds.
+    /// Chooses the speed that no particle may exceed, the length of the next round, and the time for which touches are
+    /// predicted after an exit from a shell.
     fn limit_speed(&mut self) {
         let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, f64::max).sqrt();
         self.speed = FASTER * fastest;
@@ -304,7 +314,7 @@ impl GlobalCalendar {
         self.grace = 2.0 * longest;
     }
 
-    /// Each thread processes the events of its part up to `end` [s] since the epoch.
+    /// Processes the events of each part up to `end` [s] since the epoch, each part by one thread (step 1 of a round).
     fn process_parts(&mut self, work: &mut Work<Recent>, span: CalendarWindow, end: f64) {
         let (around, now, speed) = (view_of!(self, work.scene), self.now, self.speed);
         let particles: &Particles = work.particles;
@@ -340,7 +350,8 @@ impl GlobalCalendar {
         });
     }
 
-    /// Predicts events with the neighbours of all parts; those before `end` [s] since the epoch are left to one thread.
+    /// Predicts the events of particles at the borders of parts again, now with the neighbours in all parts (step 2 of
+    /// a round). Events before `end` [s] since the epoch are left to one thread.
     fn complete(&mut self, scene: &Scene, end: f64) {
         let (around, bodies, now) = (view_of!(self, scene), self.bodies.as_slice(), self.now);
         let all = Flights { around: &around, first: 0, bodies, now, in_order: false };
@@ -350,7 +361,8 @@ impl GlobalCalendar {
         });
     }
 
-    /// One thread processes the events that concern several parts, up to `end` [s] since the epoch.
+    /// Processes by one thread the events that concern several parts, up to `end` [s] since the epoch (step 3 of a
+    /// round).
     fn process_border(&mut self, work: &mut Work<Recent>, span: CalendarWindow, end: f64) {
         let (mut parts, mut border) = (std::mem::take(&mut self.parts), std::mem::take(&mut self.border));
         let mut log = Log::default();
@@ -380,7 +392,7 @@ impl GlobalCalendar {
         (self.parts, self.border) = (parts, border);
     }
 
-    /// Restores the state before the present round.
+    /// Restores the state before the present round, which has failed.
     fn undo(&mut self) {
         let Self { parts, border, bodies, next_events, last_collisions, shells, ids, .. } = self;
         let mut changed = Vec::new();
@@ -405,7 +417,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Adds the collisions of a round to the log of the run, and returns the events of the border to the parts.
+    /// Adds the collisions of a successful round to the log of the run. Moves the remaining events from the queue of
+    /// step 3 back to the queues of the parts.
     fn finish(&mut self, work: &mut Work<Recent>) {
         let Self { parts, border, queue, shells, bodies, next_events, ids, .. } = self;
         let lists: Vec<&Records> = parts.iter().map(|part| &part.round.records).chain([&border.records]).collect();
@@ -442,8 +455,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Makes new shells (balls in which neighbour lists are valid) for the particles that have left theirs, and predicts
-    /// their events.
+    /// Makes new shells (balls in which neighbour lists are valid) for the particles that need them, and predicts the
+    /// events of these particles.
     fn renew_shells(&mut self, scene: &Scene) {
         let mut leaving = std::mem::take(&mut self.border.leaving);
         self.parts.iter_mut().for_each(|part| leaving.append(&mut part.round.leaving));

@@ -1,4 +1,6 @@
-//! Search for the neighbours of particles: the particles whose shells overlap.
+//! Search for the neighbours of particles. A shell is a ball around a particle, in which its neighbour list is valid.
+//! Two particles are neighbours if they may touch while both stay in their shells: the shells then overlap. The margin
+//! is the distance that a particle may move from the centre of its shell.
 
 use super::next_events::{FlightState, NextEvents};
 use super::shells::{ShellLevel, Shells};
@@ -8,19 +10,19 @@ use crate::domain::Domain;
 /// Neighbour lists of several particles, before they are stored with those of other particles.
 #[derive(Default)]
 pub struct Lists {
-    /// Neighbours of all particles of these lists, list after list.
+    /// Indices of the neighbours of all these particles, one list after the other.
     pub near: Vec<u32>,
     /// Number of neighbours in the list of each particle.
     pub counts: Vec<u32>,
-    /// For each particle, true if a neighbour may be nearer through a periodic image.
+    /// For each particle, true if a periodic image of a neighbour may be nearer than the neighbour itself.
     across: Vec<bool>,
     /// Number of distances between shells that were computed for these lists.
     pub checks: u64,
 }
 
 impl Lists {
-    /// The neighbour lists one after the other, in the order in which they were made. With each comes true if a
-    /// neighbour may be nearer through a periodic image.
+    /// The neighbour lists one after the other, in the order in which they were made. The second member of each item is
+    /// true if a periodic image of a neighbour may be nearer than the neighbour itself.
     pub fn each(&self) -> impl Iterator<Item = (&[u32], bool)> {
         let mut near = self.near.as_slice();
         self.counts.iter().zip(&self.across).map(move |(count, across)| {
@@ -31,15 +33,16 @@ impl Lists {
     }
 }
 
-/// True if one of the particles in `others` may be nearer to particle `i` through a periodic image, at the time `now`
-/// [s]. Neighbours that need no image are less than half the shortest periodic edge apart.
+/// True if a periodic image of one of the particles in `others` may be nearer to particle `i` than that particle
+/// itself, at the time `now` [s] since the epoch (zero of the calendar's time). False is returned only if all of them
+/// are less than half the shortest periodic edge apart from `i`.
 pub fn has_images(i: u32, others: &[u32], bodies: &[FlightState], (domain, now): (&Domain, f64)) -> bool {
     let here = bodies[i as usize].position_at(now);
     others.iter().any(|&j| !domain.is_direct(&(here - bodies[j as usize].position_at(now))))
 }
 
 impl Shells {
-    /// Makes the neighbour lists of the given particles.
+    /// Makes the neighbour lists of the particles with the given indices, at the present time `now` [s].
     pub fn look_around_each(
         &self,
         indices: impl Iterator<Item = u32>,
@@ -58,7 +61,7 @@ impl Shells {
     }
 
     /// Appends to `found` the indices of all particles whose shells overlap that of particle `i`, and of some whose
-    /// shells nearly do. Returns the number of shells tested.
+    /// shells nearly overlap it. Returns the number of shells tested.
     pub fn look_around(
         &self,
         i: u32,
@@ -92,8 +95,8 @@ impl Shells {
     }
 
     /// Appends to `found` the particles whose shells may overlap an image of the shell of particle `i` across a sheared
-    /// side. From their places in `domain`, images slide along that side by up to [`SLIDE`] times the margin. Returns
-    /// the number of shells tested.
+    /// side. `domain` gives the mean places of the images, which slide along that side by up to [`SLIDE`] times the
+    /// margin in both directions. Returns the number of shells tested.
     fn look_across(
         &self,
         i: u32,

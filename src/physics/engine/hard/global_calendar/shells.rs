@@ -1,8 +1,9 @@
 //! Neighbour lists that are updated separately for each particle.
 //!
 //! Each particle has a shell, a ball about its position when its list was last updated. The particle may move by a
-//! margin before it leaves its shell. Its neighbours are the particles whose shells overlap its own. A particle that
-//! leaves its shell gets a new one, while the other shells stay.
+//! margin, the radius of this ball, before it leaves its shell. Its neighbours are the particles that it may touch
+//! while both stay in their shells; the shells then *overlap*. A particle that leaves its shell gets a new one, while
+//! the other shells stay.
 
 use super::cells::{ROUNDING, ShellGrid, rounded, widened};
 use super::division::Division;
@@ -31,8 +32,8 @@ pub struct Shell {
     /// True if the particle may have neighbours in another part of the particles, whose events another thread
     /// processes.
     pub at_border: bool,
-    /// True if a neighbour may be nearer through a periodic image. Flights may lead out of the box, so this does not
-    /// follow from the centre.
+    /// True if a periodic image of a neighbour may be nearer than the neighbour itself. Flights may lead out of the
+    /// box, so this does not follow from the centre of the shell.
     pub across: bool,
 }
 
@@ -45,8 +46,8 @@ pub struct RadiusClass {
     pub mass: f64,
 }
 
-/// Grid with the shells of all particles in a range of radii whose largest is at most twice the smallest. A single grid
-/// for all sizes would have very many small particles in each cell.
+/// Grid with the shells of all particles in a range of radii, in which the largest radius is at most twice the
+/// smallest. A single grid for all sizes would have very many small particles in each cell.
 #[derive(Clone, Debug)]
 pub struct ShellLevel {
     pub cells: ShellGrid,
@@ -82,21 +83,22 @@ pub struct Shells {
     smallest: f64,
     #[serde(skip)]
     found: Vec<u32>,
-    /// Mark of each particle, by which an update distinguishes old from new neighbours. It is twice the number (modulo
-    /// 2³¹) of the last update in which the particle was an old neighbour, plus one if it stays a neighbour.
+    /// Mark of each particle, by which an update of a neighbour list distinguishes old from new neighbours. It is twice
+    /// the number (modulo 2³¹) of the last update in which the particle was an old neighbour. One is added if the
+    /// particle stays a neighbour in that update.
     #[serde(skip)]
     marks: Vec<u32>,
     /// Free memory blocks between the neighbour lists, which other lists may use.
     #[serde(skip)]
     free: ListPool,
-    /// Division of the particles among threads, and particles whose neighbours in other parts have changed.
+    /// Division of the particles into parts with consecutive indices, one part for each thread.
     #[serde(skip)]
     pub parts: Division,
 }
 
-/// Inverse of the fraction of memory that is reserved for growth of the neighbour lists. After a random start the lists
-/// become longer by a fifth or less in dense scenes. Without reserved memory all lists might have to be copied. Reserved
-/// memory that is never written takes no space.
+/// Inverse of the fraction of memory that is reserved for growth of the neighbour lists: a fifth is added. After a
+/// random start the lists become longer by a fifth or less in dense scenes. Without reserved memory all lists might
+/// have to be copied. Reserved memory that is never written takes no space.
 const SPARE: usize = 5;
 
 /// Inverse of the fraction by which the memory of all neighbour lists grows when it is full: it grows by 1/16.
@@ -147,8 +149,9 @@ impl Shells {
         self.renewed += bodies.len() as u64;
     }
 
-    /// Finds again, for each particle, if a neighbour may be nearer through a periodic image. This is needed after flights
-    /// have been shifted by whole periods. `now` [s] is the present time.
+    /// Updates `Shell::across` of each particle: true if a periodic image of a neighbour may be nearer than the
+    /// neighbour itself. This is needed after flights have been shifted by whole periods. `now` [s] is the present
+    /// time.
     pub fn find_images(&self, next_events: &mut [NextEvents], bodies: &[FlightState], domain: &Domain, now: f64) {
         for (index, NextEvents { shell, .. }) in (0..).zip(next_events) {
             shell.across = has_images(index, self.neighbours(shell), bodies, (domain, now));
@@ -161,7 +164,7 @@ impl Shells {
         self.free.clear();
     }
 
-    /// Reserves memory for the neighbour lists in `parts`, after which the first `known` particles have lists. If
+    /// Reserves memory for the neighbour lists in `parts`. With these, the first `known` particles have lists. If
     /// memory must grow, it is made large enough for all `count` particles, by extrapolation.
     fn reserve(&mut self, parts: &[Lists], known: usize, count: usize) {
         let room: usize =
@@ -173,8 +176,8 @@ impl Shells {
         }
     }
 
-    /// Copies the neighbour lists of consecutive particles to the end of the common store. The first particle has the
-    /// index `first`. The place of each list is written to its particle in `next_events`.
+    /// Copies the neighbour lists of consecutive particles to the end of `near`, the memory of all lists. The first
+    /// particle has the index `first`. The place of each list is written to the entry of its particle in `next_events`.
     fn hand_out(&mut self, lists: Lists, first: usize, next_events: &mut [NextEvents]) {
         self.checks += lists.checks;
         for ((index, entry), (own, across)) in (first as u32..).zip(&mut next_events[first..]).zip(lists.each()) {
@@ -227,7 +230,8 @@ impl Shells {
         !(reach..domain.size.y - reach).contains(&y)
     }
 
-    /// [m] distance between centres beyond which two shells never overlap, with an allowance for rounding.
+    /// [m] distance between the centres of two shells beyond which they are never neighbours, whatever the radii of
+    /// their particles; rounding is allowed for.
     pub fn search_radius(&self, domain: &Domain) -> f64 {
         2.0 * (self.largest + self.margin) + 2.0 * ROUNDING * domain.size.max()
     }
@@ -313,8 +317,9 @@ impl Shells {
         *shell = Shell { centre, at_wall, ..*shell };
     }
 
-    /// Makes the list of the particles in `found` the neighbour list of particle `i`, and updates the lists of its old
-    /// and of its new neighbours. `across` is true if one of them may be nearer through a periodic image.
+    /// Makes the particles in `found` the neighbours of particle `i`, and updates the lists of its old and of its new
+    /// neighbours. `across` is true if a periodic image of one particle in `found` may be nearer than that particle
+    /// itself.
     pub fn relink(
         &mut self,
         i: u32,

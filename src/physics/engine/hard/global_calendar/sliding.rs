@@ -1,11 +1,11 @@
 //! Sheared boxes in the calendar (the event queue of all particles): images across y slide along z. The ledger of a run
 //! contains the sums of work, losses and impulses.
 //!
-//! Particles and their images fly straight also across a sheared side, so their touches are predicted exactly. Only
-//! neighbour lists need more. A shell, the ball in which the list of a particle is valid, rests, but its images slide.
-//! Time is therefore divided into intervals. Within half an interval, images slide by [`SLIDE`] times the margin, the
-//! distance that a particle may move from the centre of its shell. A list is made for one interval. When the interval
-//! ends, all shells near the sheared sides are made anew.
+//! Particles and their images fly straight also across a sheared side, so their touches are predicted exactly. Only the
+//! neighbour lists need a special treatment. A shell, the ball in which the list of a particle is valid, does not move,
+//! but its images slide. Time is therefore divided into intervals. Within half an interval, images slide by [`SLIDE`]
+//! times the margin, the distance that a particle may move from the centre of its shell. A list is made for one
+//! interval. When the interval ends, all shells near the sheared sides are made anew.
 
 use super::{CalendarWindow, GlobalCalendar, Recent};
 use crate::domain::Domain;
@@ -22,8 +22,8 @@ use std::borrow::Cow;
 pub const SLIDE: f64 = 3.0;
 
 impl GlobalCalendar {
-    /// The box with images at their places in the middle of the present interval, for which neighbour lists across
-    /// sheared sides are made.
+    /// The box with its periodic images at their places in the middle of the present interval. Neighbour lists across
+    /// sheared sides are made for these places. Without shear, it is the box of the scene itself.
     pub(super) fn domain_of_interval<'a>(&self, scene: &'a Scene) -> Cow<'a, Domain> {
         if scene.domain.shear.is_none() {
             return Cow::Borrowed(&scene.domain);
@@ -56,12 +56,14 @@ impl GlobalCalendar {
         shells.update_neighbour_list(index, (&centre, at_wall), &mut self.next_events, bodies, (&domain, now));
     }
 
-    /// [m] present place of the particle at `index`, in the box.
+    /// [m] present position of the particle at `index` in the falling frame, shifted by whole periods into the box.
     pub(super) fn centre(&self, index: u32, scene: &Scene) -> Vector3<f64> {
         scene.domain.wrap(&self.bodies[index as usize].position_at(self.now))
     }
 
-    /// Moves the particle at `index` to the present time and into a sheared box.
+    /// Moves the particle at `index` along its flight to the present time, and shifts it by whole periods into the
+    /// sheared box. If it has crossed a sheared side, the work of the crossing is added to the ledger (sums of energies
+    /// of the run).
     fn cross_sides(&mut self, index: u32, work: &mut Work<Recent>) {
         let mass = self.shells.mass(&self.bodies[index as usize]);
         let domain = work.scene.domain.at(self.epoch + self.now);
@@ -74,8 +76,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Particles that have flown beyond a sheared side of the box. For each of them: index, velocity along z [m/s], and
-    /// change of this velocity [m/s] by the crossing of the side.
+    /// Particles that have flown beyond a sheared side of the box. For each of them: index, velocity along z [m/s]
+    /// before the crossing of the side, and change of this velocity [m/s] by the crossing.
     fn crossings(&self, domain: &Domain) -> impl Iterator<Item = (usize, f64, f64)> {
         (0..self.bodies.len()).filter_map(|index| {
             let (mut position, mut velocity) = self.motion_in_scene(index);
@@ -85,18 +87,19 @@ impl GlobalCalendar {
         })
     }
 
-    /// Removes from the ledger (sums of energies of the run) the side crossings that were added when the positions in
-    /// the particle store were wrapped into the box, after the event queue had written them. The flights in the queue
-    /// go on beyond the sheared sides; their crossings are recorded when the particles get new shells.
+    /// Removes from the ledger (sums of energies of the run) the side crossings that were added when positions in the
+    /// particle store were shifted into the box. The event queue had written these positions at the end of the last
+    /// window. The flights in the queue go on beyond the sheared sides; their crossings are recorded when the particles
+    /// get new shells.
     pub(super) fn take_back_crossings(&self, work: &mut Work<Recent>) {
         if work.scene.domain.shear.is_some() {
             self.crossings(&work.scene.domain).for_each(|crossing| self.take_back(crossing, work.record));
         }
     }
 
-    /// Velocities [m/s] of the particles of the store after a kick (change of velocities, for instance by drag). If the
-    /// flight of a particle goes on beyond a sheared side, its velocity beyond that side is returned, and its crossing
-    /// is removed from the ledger (sums of energies of the run).
+    /// Velocities [m/s] of the particles after a kick (change of velocities, for instance by drag), for their flights
+    /// in the event queue. If such a flight goes on beyond a sheared side, the velocity is that beyond the side. The
+    /// crossing is then removed from the ledger (sums of energies of the run).
     pub(super) fn velocities_after_kick<'a>(&self, work: &'a mut Work<Recent>) -> Cow<'a, [Vector3<f64>]> {
         if work.scene.domain.shear.is_none() {
             return Cow::Borrowed(&work.particles.velocity);

@@ -1,4 +1,5 @@
-//! States of particles before the events of a round, so that the round can be undone.
+//! States of particles before the events of a round, so that the round can be undone. A round is a piece of time in
+//! which several threads process events.
 
 use super::append;
 use super::next_events::{FlightState, NextEvents};
@@ -18,8 +19,8 @@ pub struct Undo {
 }
 
 impl Undo {
-    /// Stores the state of the particle at `index` before an event; `history` is its collision history before a
-    /// collision.
+    /// Stores the state of the particle at `index` before an event. `history` is its collision history before a
+    /// collision; `None` before other events.
     #[inline]
     pub fn push(&mut self, index: u32, body: &FlightState, events: &NextEvents, history: Option<&LastCollision>) {
         append(&mut self.indices, index);
@@ -38,8 +39,8 @@ impl Undo {
         self.histories.clear();
     }
 
-    /// Restores the stored states, from the latest to the earliest, and forgets them. Appends the indices of these
-    /// particles to `changed`. Neighbour lists are not changed in a round, so they stay as they are.
+    /// Restores the stored states, from the latest to the earliest, and forgets them. Appends the indices of the
+    /// restored particles to `changed`. Neighbour lists are not changed in a round, so they stay as they are.
     pub fn restore(
         &mut self,
         bodies: &mut [FlightState],

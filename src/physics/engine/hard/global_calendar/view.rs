@@ -29,14 +29,15 @@ pub struct CalendarView<'a> {
     pub walls: &'a WallContacts,
     /// Id of each particle, by particle index.
     pub ids: &'a [u32],
-    /// True for each periodic axis along which images other than the nearest may touch.
+    /// True for each periodic axis along which two particles may touch through images other than the nearest.
     pub far_images: [bool; 3],
     /// Contact time [s] of the TC model, in which a collision is elastic soon after another one; `None` without it.
     pub contact_time: Option<f64>,
-    /// [m] distance from the surface of its shell at which a particle gets a new shell. It is 0 unless several threads
-    /// share the events: then new shells are made only at the end of a round.
+    /// [m] distance to the surface of its shell at which a particle is to get a new shell. It is 0 unless several
+    /// threads share the events. They make new shells only at the end of a round, and until then a particle may fly on
+    /// by this distance.
     pub slack: f64,
-    /// [s] time after the exit from its shell for which touches of a particle are predicted, if `slack` is above 0.
+    /// [s] time after the exit of a particle from its shell, for which its touches are predicted if `slack` is above 0.
     pub grace: f64,
     /// Clock that receives the progress of the run.
     pub clock: &'a Clock,
@@ -57,8 +58,9 @@ impl<'a> CalendarView<'a> {
         self.scene.domain.at(self.epoch + now)
     }
 
-    /// Vector [m] from `b` to the nearest image of `a`, and velocity [m/s] of this image relative to `b`, at `now` [s]
-    /// since the epoch (zero of the calendar's time). `velocity` [m/s] is that of `a` itself relative to `b`.
+    /// Vector [m] from `b` to the nearest periodic image of `a`, and velocity [m/s] of this image relative to `b`, at
+    /// `now` [s] since the epoch (zero of the calendar's time). `velocity` [m/s] is that of `a` itself relative to `b`;
+    /// the velocity of the image differs from it only across sheared sides.
     #[inline]
     pub fn relative(
         &self,
@@ -73,8 +75,8 @@ impl<'a> CalendarView<'a> {
         self.domain(now).relative(a, b, velocity, 0.0)
     }
 
-    /// Flight relative to the scene of a body that has `position` [m] and `velocity` [m/s] in the frame of the calendar
-    /// at `now` [s] since the epoch (zero of the calendar's time).
+    /// Flight, relative to the scene, of a body that has `position` [m] and `velocity` [m/s] in the frame of the
+    /// calendar at `now` [s] since the epoch (zero of the calendar's time).
     pub fn flight(&self, position: &Vector3<f64>, velocity: &Vector3<f64>, now: f64) -> Flight {
         self.frame.flight(position, velocity, now)
     }

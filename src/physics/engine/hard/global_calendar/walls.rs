@@ -13,7 +13,7 @@ use std::ops::Range;
 pub struct WallContacts {
     /// The contacts; a predicted touch of a wall refers to its contact by the number in this list.
     pub contacts: Vec<AtWall>,
-    /// Range of the numbers of each wall's contacts in `contacts`, by the number of the wall.
+    /// For each wall, by its number in the scene, the range of its contacts in `contacts`.
     of: Vec<Range<u32>>,
     /// Search structure for the walls near a point.
     pub near: NearWalls,
@@ -31,7 +31,7 @@ impl WallContacts {
         Self { contacts, of, near: NearWalls::of(&scene.walls) }
     }
 
-    /// Range of numbers in `contacts` of the contacts with the wall that has the index `wall` in the scene.
+    /// Range, in `contacts`, of the contacts with the wall that has the index `wall` in the scene.
     pub fn of_wall(&self, wall: u32) -> Range<u32> {
         self.of[wall as usize].clone()
     }
