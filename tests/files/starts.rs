@@ -182,6 +182,23 @@ fn the_box_of_a_sheared_case_may_be_tilted() {
     assert!(why.contains("is not the sheared box"), "{why}");
 }
 
+/// Images across the sheared sides are displaced along z. A bead below the upper side overlaps the image of a bead
+/// above the lower side only at its displaced place.
+#[test]
+fn overlaps_across_sheared_sides_are_found() {
+    for offset in [4.0, -4.0, 9.0] {
+        let shear = format!("\"z\"], shear = {{ rate = \"50 1/s\", offset = \"{offset} mm\" }} }}");
+        let sheared = ONE.replace("\"z\"] }", &shear);
+        let at = |z: f64| {
+            let upper = format!("X 0.005 0.0195 {}", 1e-3 * (5.0 + z));
+            XYZ.replace("X 0.005 0.005 0.005", "X 0.005 0.0005 0.005").replace("X 0.015 0.005 0.005", &upper)
+        };
+        assert_eq!(found("start.xyz", &at(offset - 3.0), &sheared).unwrap().0.len(), 2);
+        let why = found("start.xyz", &at(offset), &sheared).unwrap_err();
+        assert!(why.contains("overlap"), "{offset}: {why}");
+    }
+}
+
 const DATA: &str = "LAMMPS data file via write_data, version 2 Aug 2023, timestep = 1000, units = si\n\n3 atoms\n2 atom types\n\n\
     0 0.02 xlo xhi\n0 0.02 ylo yhi\n0 0.02 zlo zhi\n\nAtoms # sphere\n\n2 1 0.002 2500 0.005 0.005 0.005 0 0 0\n\
     0 1 0.002 2500 0.015 0.005 0.005 1 0 0\n1 2 0.001 7800 0.010 0.015 0.010 0 -1 0\n\n\

@@ -8,6 +8,7 @@ use crate::engine::soft::overlap_limit;
 use crate::experiment::Model;
 use crate::scene::Scene;
 use crate::walls::{NearWalls, Repeated};
+use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::ops::ControlFlow;
 
@@ -201,23 +202,24 @@ fn for_near_pairs(
     }
     // a cell is at least one largest diameter wide; more than 4096 cells per axis would not help
     let cells: [i64; 3] = std::array::from_fn(|axis| ((domain.size[axis] / largest).floor() as i64).clamp(1, 4096));
-    let cell = |particle: &Placed| -> [i64; 3] {
-        std::array::from_fn(|axis| {
-            let index = (particle.position[axis] / domain.size[axis] * cells[axis] as f64).floor() as i64;
-            index.clamp(0, cells[axis] - 1)
-        })
+    let cell = |position: &Vector3<f64>| -> [i64; 3] {
+        std::array::from_fn(|axis| (position[axis] / domain.size[axis] * cells[axis] as f64).floor() as i64)
     };
+    let joined = domain.joined();
     let mut grid: FxHashMap<[i64; 3], Vec<usize>> = FxHashMap::default();
     for (i, particle) in placed.iter().enumerate() {
-        let home = cell(particle);
         let mut near: Vec<[i64; 3]> = Vec::with_capacity(27);
-        for shift in 0..27 {
-            let shift = [shift % 3 - 1, shift / 3 % 3 - 1, shift / 9 - 1];
-            near.push(std::array::from_fn(|axis| {
-                let index = home[axis] + shift[axis];
-                if domain.periodic[axis] { index.rem_euclid(cells[axis]) } else { index }
-            }));
-        }
+        // images across sheared sides are displaced along z, so they have other neighbours than the particle
+        domain.for_each_image(&particle.position, largest, |image| {
+            let home = cell(&image);
+            for shift in 0..27 {
+                let shift = [shift % 3 - 1, shift / 3 % 3 - 1, shift / 9 - 1];
+                near.push(std::array::from_fn(|axis| {
+                    let index = home[axis] + shift[axis];
+                    if joined[axis] { index.rem_euclid(cells[axis]) } else { index }
+                }));
+            }
+        });
         // with fewer than three cells along a periodic axis, two shifts lead to the same cell
         near.sort_unstable();
         near.dedup();
@@ -226,7 +228,9 @@ fn for_near_pairs(
                 visit(j, i)?;
             }
         }
-        grid.entry(home).or_default().push(i);
+        let home = cell(&particle.position);
+        let inside = std::array::from_fn(|axis| home[axis].clamp(0, cells[axis] - 1));
+        grid.entry(inside).or_default().push(i);
     }
     ControlFlow::Continue(())
 }
