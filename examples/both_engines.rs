@@ -1,4 +1,5 @@
-//! Runs one gas of spheres with soft and with hard collisions, and shows how many collide and how much energy is left.
+//! Runs one gas of spheres with soft and with hard collisions, and prints the number of collisions and the remaining
+//! share of the energy.
 
 use diptych::{ContactLaw, Domain, Experiment, Population, Scene, Simulation, Species, Spheres, Surface, Vector3};
 

@@ -1,5 +1,5 @@
-//! Diptych runs one particle scene with interchangeable collision models (soft, hard and hybrid spheres, and collisions
-//! by chance) and compares the results.
+//! Diptych runs one particle scene with interchangeable collision models (soft spheres with springs, hard spheres with
+//! instantaneous collisions, hybrids of both, and randomly drawn collisions) and compares the results.
 //!
 //! ```text
 //!  cases/*.toml + models/**          --model, --set key=value
@@ -14,17 +14,18 @@
 //!         Outcome -> outputs (csv, json, svg, html)  <-  studies: run, compare, plan, impact
 //! ```
 //!
-//! A window h is the time between two exchanges of momentum with the gas.
+//! A window h is the time between two exchanges of momentum with the gas. A half-kick changes the velocities as the
+//! drag of the gas does during h/2.
 //!
 //! Without the feature `program` (on by default) the crate has no command line, no studies and no output files. Without
-//! the feature `case` it cannot read case files. The modules from `clock` to `outcome`, with all physics, need no
-//! feature.
+//! the feature `case` it cannot read case files. The modules of the crate `diptych_physics` (from `clock` to
+//! `outcome`), with all physics, need no feature.
 //!
 //! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Modules import only from modules above
 //! them in the list below.
 //!
-//! The crate re-exports all modules of the physics and of the reader of cases. At its root it also has the names that
-//! most programs need. `examples/` shows their use.
+//! The crate re-exports all modules of the physics and of the reader of cases. The root of the crate also has the names
+//! of the types that a typical program uses. The programs in `examples/` use these names.
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 

@@ -100,8 +100,8 @@ fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     done.map(|()| 0)
 }
 
-/// Exit code for the result of a command: 1 for a failed run, 2 for bad input, 130 after Ctrl-C, else the code of the
-/// success.
+/// Exit code for the result of a command: 1 for a failed run, 2 for bad input, 130 after Ctrl-C, else the code that the
+/// successful command has returned.
 fn exit_code(result: &Result<u8, StudyError>) -> u8 {
     match result {
         Ok(code) => *code,

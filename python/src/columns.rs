@@ -37,11 +37,11 @@ pub struct ParticleColumn {
     column: Column,
 }
 
-// three numbers without padding, as an array of rows of three needs them
+// a vector has three numbers without padding, because numpy reads vectors as rows of three numbers
 const _: () = assert!(size_of::<Vector3<f64>>() == 3 * size_of::<f64>());
 
-/// Place of a column in memory: address, type of its numbers (`f8` is a 64-bit float), and count of numbers per
-/// particle.
+/// Place of a column in memory: address, type of its numbers (`f8` is a float of 8 bytes, `u2` a whole number of 2
+/// bytes), and count of numbers per particle.
 fn place(particles: &Particles, column: Column) -> (usize, &'static str, usize) {
     let vectors = |rows: &[Vector3<f64>]| (rows.as_ptr() as usize, "f8", 3);
     match column {

@@ -44,7 +44,7 @@ pub enum Interruption {
 }
 
 impl MovingParticles {
-    /// Makes the value from a simulation, which runs on the given number of threads; 0 means one per processor.
+    /// Takes over a simulation, which then runs on the given number of threads; 0 means one thread per processor.
     ///
     /// # Errors
     /// The threads cannot be started.
@@ -58,7 +58,8 @@ impl MovingParticles {
         &self.simulation
     }
 
-    /// Particles at the present time, to be shared with arrays. They do not change before [`run`](Self::run) is called.
+    /// Particles at the present time, to be shared with arrays. They do not change while an array shares them: a run
+    /// then continues with a copy.
     ///
     /// # Errors
     /// The check of the present state has failed.
@@ -90,7 +91,8 @@ impl MovingParticles {
         })
     }
 
-    /// Address of a page of this machine that shows the simulation, now and while it runs.
+    /// Address of a page of this machine that shows the simulation, now and while it runs. The first call starts the
+    /// server of this page.
     ///
     /// # Errors
     /// The server cannot start.
@@ -109,7 +111,7 @@ impl MovingParticles {
         Ok(url)
     }
 
-    /// Shows the present state on the page, if there is one.
+    /// Shows the present state on the page, if the simulation has one.
     pub fn refresh(&mut self) {
         if self.shown.is_some() {
             self.take_back();

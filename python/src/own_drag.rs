@@ -14,8 +14,8 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-/// [-] largest remainder of a run, divided by the window before it, that is run together with this window. Rounding
-/// leaves such remainders.
+/// [-] largest remainder of a run after a whole window, divided by this window, that is run together with the window.
+/// Rounding leaves such remainders.
 const REST: f64 = 1e-6;
 
 /// Function of Python that returns accelerations of the particles, and the accelerations of its latest call.

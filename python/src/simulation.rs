@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
-/// Models by name.
+/// Collision models that a caller can choose by name.
 const MODELS: [Model; 4] = [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc];
 
 /// Simulation of one case with one collision model. The simulated time stands still between the calls that move the
@@ -49,8 +49,8 @@ impl Every {
         }
     }
 
-    /// [s] simulated time of the next call of the observer. `begun` [s] is the time at which the run began, and `calls`
-    /// the number of calls so far.
+    /// [s] simulated time of the next call of the observer; infinite if none follows. `begun` [s] is the time at which
+    /// the run began, and `calls` the number of calls so far.
     fn next(&self, simulation: &diptych::Simulation, begun: f64, calls: u64) -> f64 {
         let next = match self {
             Self::Sample => simulation.next_sample(),
@@ -110,8 +110,8 @@ impl Simulation {
         }
     }
 
-    /// Calls the drag law, unless its accelerations already belong to the present time. The latest kick was predicted
-    /// with the accelerations of the previous call; it is then corrected.
+    /// Calls the drag law, unless its accelerations already belong to the present time. Then corrects the latest kick,
+    /// which was predicted with the accelerations of the previous call.
     fn call_drag(slf: &Bound<'_, Self>, drag: &mut OwnDrag) -> PyResult<()> {
         if drag.is_current {
             return Ok(());
@@ -180,7 +180,7 @@ impl Simulation {
     }
 
     /// Runs until `time` [s]. `observer(simulation)` is called at every sample of the case, at the end of every window
-    /// (`every="window"`), or every so many seconds.
+    /// (`every="window"`), or every so many seconds of simulated time (`every=0.1`). The last call is at `time`.
     #[pyo3(signature = (time, observer=None, *, every=None))]
     fn run_until(
         slf: &Bound<'_, Self>,

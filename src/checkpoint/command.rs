@@ -15,8 +15,9 @@ pub struct StoredCommand {
     pub folder: OsString,
     /// Checksum of the text of the case, by which a changed case is detected.
     pub case: u32,
-    /// Identities of the runs of the command, in the order of its list of runs. Replicas (runs with other seeds) of a
-    /// variant have one name, and only the first of them is stored. Empty for a sweep.
+    /// Identities of the runs of the command, in the order of its list of runs. Replicas of a variant (runs of one
+    /// experiment with different seeds) have one name, and only the identity of the first replica is stored. Empty for
+    /// a sweep.
     pub runs: Vec<RunIdentity>,
 }
 
@@ -72,7 +73,7 @@ impl RunIdentity {
     }
 
     /// Name of the first part of the experiment, such as `scene`, in which this run differs from another; `None` if all
-    /// parts are equal.
+    /// parts are equal, or if one of the two identities has no parts.
     pub fn difference(&self, other: &Self) -> Option<&str> {
         let differs = |(own, other): &(&(String, u32), &(String, u32))| own != other;
         self.parts.iter().zip(&other.parts).find(differs).map(|(own, _)| own.0.as_str())

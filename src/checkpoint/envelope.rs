@@ -7,8 +7,8 @@ use serde::de::DeserializeOwned;
 /// First bytes of every checkpoint file, by which such a file is recognized.
 const MAGIC: &[u8] = b"diptych checkpoint\n";
 
-/// Version of the layout of the data. This number must be raised whenever a stored type or the arithmetic changes,
-/// because the file does not describe its types.
+/// Version of the layout of the data. This number must be raised whenever a stored type or the arithmetic of a run
+/// changes, because the file does not describe its types.
 const LAYOUT: u32 = 43;
 
 /// Length of the checksum at the end of a file, in bytes.
@@ -60,7 +60,8 @@ pub fn seal<T: Serialize>(value: &T) -> Result<Vec<u8>, StoreError> {
 /// Reads the value stored in the bytes of a checkpoint file.
 ///
 /// # Errors
-/// An [`Unreadable`] if the bytes are incomplete, were written by another program, or contain a value of another type.
+/// An [`Unreadable`] if the bytes are incomplete or changed, were written by another program, or contain a value of
+/// another type.
 pub fn open<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Unreadable> {
     if !bytes.starts_with(MAGIC) {
         // a file that contains only a part of the first line counts as damaged

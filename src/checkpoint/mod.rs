@@ -10,8 +10,8 @@
 //!   several runs are done at the same time, each has separate files `a-…` and `b-…`;
 //! * `a-part-0`, …: the data of each process, if several processes share the run. The file `a` then contains all
 //!   other data and is written last;
-//! * `done-…`: the final state of each finished run and the data of its observers, so that this run is not repeated.
-//!   For a sweep this file contains the measured values of the run.
+//! * `done-…`: the final state of each finished run and the data of its observers (measurements during the run), so
+//!   that this run is not repeated. For a sweep this file contains the measured values of the run.
 //!
 //! Each file contains the version of the program that wrote it, and ends with a checksum (`envelope`). The subfolder is
 //! removed when all results are written. The subfolder of a sweep remains, so that a later sweep with further values

@@ -30,7 +30,7 @@ pub struct StoredRun {
 /// Reads and writes the files of a checkpoint, which are in a subfolder of a folder of results.
 pub struct Store {
     place: PathBuf,
-    /// Names of the two files in which the states of a run are stored in turn, so that the two newest states exist.
+    /// Names of the two files in which the states of a run are stored in turn, so that the two newest states are kept.
     generations: [String; 2],
     /// Number of the next generation. Generations with even numbers are written to the first file, those with odd
     /// numbers to the second.
@@ -121,9 +121,9 @@ impl Store {
         if (found, &whose) == (age, run) { Ok(part) } else { Err(Unreadable::Damaged) }
     }
 
-    /// Checks that the data of every process that belong to a stored state can be read. `of` is the name of the file
-    /// with the other data of this state, and `whose` the number of its generation and the run. Otherwise returns the
-    /// path of the unreadable file and the reason.
+    /// Checks for a stored state that the files with the data of the single processes can be read. `of` is the name of
+    /// the file with the other data of this state, and `whose` the number of its generation and the run. If a file
+    /// cannot be read, its path and the reason are returned as the error.
     fn has_parts(&self, of: &str, whose: (u64, &RunIdentity), kept: &StoredRun) -> Result<(), (PathBuf, Unreadable)> {
         (0..kept.pause.snapshot.parts).try_for_each(|number| {
             let read = self.read_part(of, whose, number).map(drop);
@@ -160,7 +160,8 @@ impl Store {
         Newest { found: newest.map(|(_, run, kept)| (run, kept)), refused }
     }
 
-    /// Stores the final state of a run with the data of its observers, or the result that was computed from them.
+    /// Stores the final state of a run with the data of its observers (measurements during the run), or the result that
+    /// was computed from them. The separate state files of one of several concurrent runs are then removed.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -174,8 +175,8 @@ impl Store {
         Ok(())
     }
 
-    /// Reads the final state of a run with the data of its observers. `None` if no such data are stored, or if the file
-    /// belongs to another run.
+    /// Reads the final state of a run with the data of its observers (measurements during the run). `None` if no such
+    /// data are stored, or if the file belongs to another run.
     ///
     /// # Errors
     /// The path of the file and the reason, if the file cannot be used.
@@ -189,7 +190,7 @@ impl Store {
         }
     }
 
-    /// Reads the result of a run; `None` if no result is stored in place of its final state.
+    /// Reads the result of a run; `None` if no readable result of this run is stored in place of its final state.
     pub fn result(&self, run: &RunIdentity) -> Option<Vec<u8>> {
         let (of, result) = self.read::<(RunIdentity, Vec<u8>)>(&done(run)).ok()?;
         (of == *run).then_some(result)

@@ -1,8 +1,8 @@
 //! Foreign text, such as keys, names and cells of a file, made safe to display.
 //!
-//! A terminal, a browser or a spreadsheet would act on some of the characters: escape sequences, characters that change
-//! the direction of writing, formulas. Messages, pages, pictures and tables therefore show such characters in the form
-//! `\u{1b}`, and put an apostrophe before formulas.
+//! A terminal, a browser or a spreadsheet would act on certain texts instead of showing them: escape sequences,
+//! characters that change the direction of writing, formulas. Messages, pages, pictures and tables therefore show such
+//! characters in the form `\u{1b}`, and put an apostrophe before formulas.
 
 use std::borrow::Cow;
 

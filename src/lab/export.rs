@@ -32,14 +32,14 @@ const VALUES: usize = 5;
 const VERDICTS: usize = 12;
 
 /// Largest number of rows of measured quantities in a recorded frame (state at one instant). With this number, a curve
-/// has some thousand points.
+/// has up to 2400 points.
 const ROWS: usize = 20;
 
 /// Wall time that a panel may compute from one frame (recorded instant) to the next. It is so long that no scene
 /// reaches it.
 const LONGEST: Duration = Duration::from_secs(86_400);
 
-/// Digits of the measured numbers in a file. A picture has some hundred pixels, but a curve, such as the height of a
+/// Digits of the measured numbers in a file. A picture has several hundred pixels, but a curve, such as the height of a
 /// heap, may change by a small part of its values.
 const DIGITS: usize = 8;
 

@@ -104,7 +104,8 @@ impl Live {
 }
 
 /// Particles of a simulation as a page draws them, in the order of ids. If there are more than `most` particles, only
-/// every n-th is drawn. Along periodic axes, positions are replaced by those of the image within the box.
+/// every n-th is drawn, with the smallest n that leaves at most `most`. Along periodic axes, positions are replaced by
+/// those of the image within the box.
 pub fn drawn(simulation: &Simulation, most: usize) -> Vec<DrawnParticle> {
     let (particles, domain) = (&simulation.particles, &simulation.scene().domain);
     let overlaps = simulation.overlaps();

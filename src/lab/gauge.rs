@@ -24,7 +24,7 @@ pub enum Gauge {
     Speeds,
     /// Height of one sphere above the floor, and the number of its impacts on the floor.
     Bounces,
-    /// Granular temperature and number of collisions of a gas.
+    /// Granular temperature of a gas, and mean number of collisions of a sphere.
     Gas,
     /// Energy of a gas divided by its initial energy; it should be constant.
     Energy,
@@ -38,7 +38,7 @@ pub enum Gauge {
     Spin,
     /// Height of the first ball of a heap above the floor, and spin of the second ball.
     Heap,
-    /// Number of collisions that a sphere of a gas suffers, and share of all collisions that time steps miss.
+    /// Mean number of collisions of a sphere in a gas, and share of all collisions that time steps miss.
     Missed,
 }
 
@@ -157,7 +157,7 @@ impl Gauge {
         }
     }
 
-    /// True if the impacts in the scene are between two bodies alone, so that each has a restitution that can be
+    /// True if the impacts in the scene are between two bodies alone, so that each impact has a restitution that can be
     /// measured. If a sphere presses on several others at once, no impact has a restitution of its own.
     pub fn has_lone_impacts(self) -> bool {
         !matches!(self, Self::Speeds | Self::Column | Self::Heap)
@@ -169,7 +169,8 @@ impl Gauge {
     }
 
     /// Quantities of this set at one instant: a row with one value for each column of the graphs, in the unit of the
-    /// column. Some values are divided by `at_start`, the granular temperature [m²/s²] or energy [J] at the start.
+    /// column. In the sets `Gas`, `Energy` and `Explosion`, temperature or energy is divided by `at_start`, the
+    /// granular temperature [m²/s²] or energy [J] at the start.
     fn row(self, simulation: &Simulation, at_start: f64) -> Vec<f64> {
         let (particles, time) = (&simulation.particles, simulation.time);
         let suffered = 2.0 * simulation.record.pairs.count as f64 / particles.len().max(1) as f64;
@@ -215,8 +216,8 @@ impl Gauge {
         }
     }
 
-    /// Value at the start by which some measured values are divided: the granular temperature [m²/s²] in a scene of a
-    /// cooling gas, else the energy [J].
+    /// Value at the start by which a measured temperature or energy is divided: the granular temperature [m²/s²] in a
+    /// scene of a cooling gas, else the energy [J].
     fn scale(self, simulation: &Simulation) -> f64 {
         match self {
             Self::Gas => temperature(&simulation.particles),

@@ -29,7 +29,7 @@ const UNSEEN: Duration = Duration::from_millis(500);
 /// Wall time from one test for a steady state to the next.
 const VERDICT: Duration = Duration::from_millis(1500);
 
-/// Largest number of particles in a frame (picture of one instant). A browser draws this number some ten times in a
+/// Largest number of particles in a frame (picture of one instant). A browser draws this number about ten times in a
 /// second.
 const MOST_DRAWN: usize = 20_000;
 
@@ -150,8 +150,8 @@ impl LiveView {
         Arc::clone(&self.feed)
     }
 
-    /// Makes a frame (data of the present instant for the page) if the latest one is old enough. The state of the run
-    /// is not changed.
+    /// Makes a frame (data of the present instant for the page) if the latest one is older than `FRAME` or, while no
+    /// page is open, than `UNSEEN`. The state of the run is not changed.
     pub fn offer(&mut self, simulation: &Simulation) {
         let pause = if self.feed.pages.load(Ordering::Relaxed) > 0 { FRAME } else { UNSEEN };
         if self.clock.now() >= self.shown.0 + pause || self.at_start.is_none() {

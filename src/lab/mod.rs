@@ -40,7 +40,7 @@ use crate::study::{self, CommandOrigin, Ranks, Signals, StudyError};
 use std::path::Path;
 use std::time::Duration;
 
-/// Wall time between two checks whether the user has pressed Ctrl-C.
+/// Wall time between two checks whether a signal to stop has come, such as that of Ctrl-C.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Runs `diptych lab`: serves the page until Ctrl-C or the signal to terminate.

@@ -307,8 +307,8 @@ fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
 
 /// Arguments of the form `key=value` that set the step criterion θ of hard spheres in time steps. The window (time
 /// between two exchanges with the gas) and the time between samples (instants of measurement) are set in proportion to
-/// θ. A step cannot be longer than a window, and a window not longer than the time between samples. In these scenes all
-/// three are equal.
+/// θ. A step cannot be longer than a window, and a window not longer than the time between samples. In the scenes with
+/// this parameter, all three are equal.
 fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     let mut sets = vec![format!("hard.theta={theta}")];
     if let HardStepping::Steps { theta: before } = experiment.hard.stepping {

@@ -73,7 +73,8 @@ impl<'a> StageRun<'a> {
         self.stage.pace() * factor * passed.as_secs_f64()
     }
 
-    /// Advances both panels to the same simulated time: the time of the panel that is behind, plus `stretch` [s].
+    /// Advances both panels to the same simulated time: the time of the panel that is behind, plus `stretch` [s]. Then
+    /// compares the panels if the latest comparison is older than 1.5 s of wall time.
     pub fn go_on(&mut self, stretch: f64) {
         let times = self.panels.iter().filter_map(LabPanel::running);
         let until = times.fold(f64::INFINITY, f64::min) + stretch;
@@ -102,7 +103,8 @@ impl<'a> StageRun<'a> {
         });
     }
 
-    /// Frame of the present state, as bytes: the data from which the page draws both panels.
+    /// Frame of the present state, as bytes: the data from which the page draws both panels. A new comparison is part
+    /// of the first frame after it only.
     pub fn frame(&mut self) -> Vec<u8> {
         self.shown = self.clock.now();
         let sides: Vec<Now> = self.panels.iter_mut().map(LabPanel::now).collect();

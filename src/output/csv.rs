@@ -234,7 +234,8 @@ pub(super) struct HistogramRow {
     pub density: Option<f64>,
 }
 
-/// Bins of a histogram, from the first bin to the last bin that is not empty.
+/// Bins of a histogram, from the first bin to the last bin that is not empty; none without values. If all values are 0,
+/// the result is one bin of zero width.
 pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
     if histogram.total == 0 {
         return Vec::new();
@@ -253,10 +254,11 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
     histogram.counts[..used].iter().enumerate().map(bin).collect()
 }
 
-/// Contents of `state.csv`: ids, centres [m], velocities [m/s], diameters [m] and species names in the order of the
-/// ids. Numbers have 17 significant digits, so that they are read without rounding. Centres are moved into the box
-/// along periodic axes. Before the table, lines of the form `# key: value` contain the number of particles with a
-/// checksum, the pairs of key and value in `about`, and the box. Other programs read these lines as comments.
+/// Contents of `state.csv`: ids, centres [m], velocities [m/s], spins [rad/s] of spheres that rotate, diameters [m] and
+/// species names, in the order of the ids. Numbers have 17 significant digits, so that they are read without rounding.
+/// Centres are moved into the box along periodic axes. Before the table, lines of the form `# key: value` contain the
+/// number of particles with a checksum, the pairs of key and value in `about`, and the box. Other programs read these
+/// lines as comments.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

@@ -126,7 +126,7 @@ pub(super) fn status(failed: bool) -> &'static str {
     if failed { "failed" } else { "complete" }
 }
 
-/// Text of parts of a document for a terminal, without links and pictures.
+/// Text of parts of a document for a terminal, without links, pictures, animations and tables of answers.
 pub(super) fn text(blocks: &[Block]) -> String {
     let mut text = String::new();
     for block in blocks {

@@ -145,7 +145,7 @@ impl Folder {
     }
 
     /// Opens the folder of a run that is resumed. The report of the earlier part remains until the first new file is
-    /// complete.
+    /// complete. Temporary files of a killed run are removed.
     ///
     /// # Errors
     /// Errors of [`create`](Self::create).

@@ -5,8 +5,8 @@ use crate::statistics::Estimate;
 /// Sign in place of an unknown number.
 pub const UNKNOWN: &str = "–";
 
-/// Text of `value` with the given number of significant digits. A number that would be hard to read in
-/// plain digits gets a power of ten. `None` and values that are not finite give the sign for an unknown number.
+/// Text of `value` with the given number of significant digits. A number below 0.001, or of 100 000 or more, gets a
+/// power of ten. `None` and values that are not finite give the sign for an unknown number.
 pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> String {
     let Some(value) = finite(value) else { return UNKNOWN.into() };
     if value == 0.0 {
@@ -29,7 +29,8 @@ fn finite(value: impl Into<Option<f64>>) -> Option<f64> {
 }
 
 /// Text of a value ± one standard error. The error has one or two digits, and the value has as many decimal places as
-/// the error. If the error is unknown, the value has four digits, and `?` replaces the error.
+/// the error. If the error is unknown, the value has four digits, and `?` replaces the error. An error of 0 is left
+/// out.
 pub fn with_error(found: impl Into<Option<Estimate>>) -> String {
     let Some(Estimate { value, error }) = found.into().filter(|found| found.value.is_finite()) else {
         return UNKNOWN.into();
@@ -90,8 +91,8 @@ pub struct Prefix {
 }
 
 impl Prefix {
-    /// Prefix for which the number before the unit has one to three digits before the decimal point. No prefix for 0
-    /// and for values that are not finite.
+    /// Prefix for which the number before the unit has one to three digits before the decimal point, from pico to tera.
+    /// No prefix for 0 and for values that are not finite.
     pub fn of(value: f64) -> Self {
         const SYMBOLS: [&str; 9] = ["p", "n", "µ", "m", "", "k", "M", "G", "T"];
         if value == 0.0 || !value.is_finite() {

@@ -70,14 +70,14 @@ pub struct ObservedDifference {
     /// [-] smallest margin (largest accepted difference) with which the answer would be "equivalent", divided by the
     /// reference. `None` if the reference is zero within its error, or without a standard error.
     pub reached: Option<f64>,
-    /// Answer for this number; `None` if there is none, for the reason in `remark`.
+    /// Answer for this number; `None` if the number was not judged, for the reason in `remark`.
     pub answer: Option<Answer>,
-    /// Remark on the answer, such as the reason why there is none; empty without a remark.
+    /// Remark on the answer, such as the reason why there is no answer; empty without a remark.
     pub remark: &'static str,
 }
 
 impl ObservedDifference {
-    /// Answer as a word; "no answer" if there is none.
+    /// Answer as a word; "no answer" if the number was not judged.
     pub fn word(&self) -> &'static str {
         self.answer.map_or("no answer", Answer::word)
     }

@@ -9,7 +9,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Clock that counts wall time (elapsed real time), or a stopped clock. A wall clock counts from the first reading of
-/// time in the program. A stopped clock always reads 0 and costs nothing.
+/// time in the program. A stopped clock always reads 0 and costs no computing time.
 ///
 /// A run reads wall time from the clock, and writes to it the simulated time that the run has reached.
 #[derive(Clone, Debug, Default)]
@@ -50,7 +50,7 @@ impl Clock {
     }
 
     /// Reports that the run has reached the simulated time `time` [s], for the display of progress. A report is one
-    /// write to memory, so engines can report every step or event.
+    /// write to memory, so engines can report every step or event. A stopped clock ignores reports.
     pub fn tell(&self, time: f64) {
         if let Some(reached) = &self.reached {
             reached.0.store(time.to_bits(), Ordering::Relaxed);

@@ -53,8 +53,8 @@ pub struct Domain {
     /// axis than this half edge, a periodic image of one particle is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
-    /// [m²] square of the shortest half edge length of a periodic axis. If two particles are nearer than this half
-    /// edge, no periodic image of one is nearer to the other.
+    /// [m²] square of the shortest half edge length of a periodic axis. If the distance of two particles is below this
+    /// half edge, no periodic image shortens it. Infinite without periodic axes.
     #[serde(skip)]
     direct: f64,
     /// [1/m] inverse edge length along periodic axes, 0 along others.
@@ -219,15 +219,16 @@ impl Domain {
         d
     }
 
-    /// True if no image of a particle is nearer than the particle itself, whose vector [m] to another particle is
-    /// `apart`. The result may also be false although no image is nearer.
+    /// True only if no periodic image of a particle is nearer to a second particle than the particle itself. `apart`
+    /// [m] is the vector between the two. The result may be false although no image is nearer.
     #[inline]
     pub fn is_direct(&self, apart: &Vector3<f64>) -> bool {
         apart.norm_squared() < self.direct
     }
 
     /// Vector [m] `apart` between two particles, shifted by whole periods to the vector between the nearest images.
-    /// Unlike in [`separation`](Self::separation), the particles may be many periods apart. Images must not slide.
+    /// Unlike in [`separation`](Self::separation), the particles may be many periods apart. The result is not valid
+    /// across sheared sides, whose images slide.
     #[inline]
     pub fn nearest_image(&self, apart: &Vector3<f64>) -> Vector3<f64> {
         if self.is_direct(apart) {

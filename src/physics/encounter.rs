@@ -3,9 +3,9 @@
 //! so that most other code treats pairs and walls in the same way.
 //!
 //! The functions that are called for every pair are always inlined. Most calls pass a constant [`FrameTime`] and a
-//! constant type of the second body (particle or wall). After inlining, the compiler therefore removes half of the
-//! code. Without inlining, the calls cost a tenth of the run time of case D of the paper (docs/paper.md) with soft
-//! spheres.
+//! constant type of the second body (particle or wall). After inlining, the compiler therefore removes half of the code
+//! of these functions. Without inlining, their calls take a tenth of the computing time of case D of the paper
+//! (docs/paper.md) with soft spheres.
 
 mod wall_motion;
 
@@ -254,9 +254,9 @@ impl Couple {
     }
 
     /// Motion of the wall's surface at the contact point; `None` for a pair of particles. `met` is the relative
-    /// position of particle and wall. A force [N] of the wall on the particle has the power [W] force times velocity of
-    /// the surface. An impulse [N s] of the wall gives the particle the energy [J] impulse times velocity of the
-    /// surface.
+    /// position of particle and wall at the time `moment`. A force [N] of the wall on the particle has the power [W]
+    /// force times velocity of the surface. An impulse [N s] of the wall gives the particle the energy [J] impulse
+    /// times velocity of the surface.
     #[inline(always)]
     pub fn wall_motion(
         &self,
@@ -319,7 +319,7 @@ impl Couple {
     /// is -w × n, with the normal n. The second result is the ratio [-] of lever arm to radius. The lever arms of a
     /// pair add up to the distance of the centres: `reach` [m], the sum of the radii, plus `gap` [m], the distance of
     /// the surfaces. With these arms a contact conserves energy and angular momentum. At a wall the lever arm is the
-    /// radius.
+    /// radius. For particles without spins the results are 0 and 1.
     #[inline(always)]
     pub fn surface_velocity(&self, particles: &Particles, reach: f64, gap: f64) -> (Vector3<f64>, f64) {
         let (radii, spins) = (&particles.radius, particles.spins());
@@ -334,7 +334,8 @@ impl Couple {
         }
     }
 
-    /// [rad/s] component along `normal` of the mean of the two spins. The spin of a wall is zero unless the wall turns.
+    /// [rad/s] component along `normal` of the mean of the two spins; 0 for particles without spins. The spin of a wall
+    /// is zero unless the wall turns.
     #[inline(always)]
     pub fn twist(&self, particles: &Particles, scene: &Scene, normal: &Vector3<f64>) -> f64 {
         let spins = particles.spins();
@@ -348,7 +349,8 @@ impl Couple {
         }
     }
 
-    /// [rad/s] spin of particle i minus the spin of the other body. The spin of a wall is zero unless the wall turns.
+    /// [rad/s] spin of particle i minus the spin of the other body; zero for particles without spins. The spin of a
+    /// wall is zero unless the wall turns.
     #[inline(always)]
     pub fn relative_spin(&self, particles: &Particles, scene: &Scene) -> Vector3<f64> {
         let spins = particles.spins();

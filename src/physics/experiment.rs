@@ -161,8 +161,8 @@ impl Experiment {
         self.start.iter().map(|population| population.amount.count()).sum()
     }
 
-    /// [-] volume fraction for the drag law: volume of all [expected](Self::expected_counts) particles over the volume
-    /// of the box. It is 0 if the drag law does not depend on the volume fraction.
+    /// [-] volume fraction for the drag law: volume of all particles that are [expected](Self::expected_counts) in the
+    /// box, over the volume of the box. It is 0 if the drag law does not depend on the volume fraction.
     pub fn fraction_for_drag(&self) -> f64 {
         let drag = self.scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
         if drag.is_none_or(|drag| drag.law().cells().is_none()) {
@@ -297,7 +297,7 @@ pub enum SoftStepping {
     Uniform,
     /// Particles in contact only; all others fly straight.
     Local,
-    /// Uniform or local stepping, whichever costs less.
+    /// Uniform or local stepping, whichever takes less computing time.
     Auto,
 }
 
@@ -334,10 +334,10 @@ pub struct HybridSettings {
 /// Settings of direct simulation Monte Carlo, in which collision pairs are chosen at random in cells.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DsmcSettings {
-    /// True if the collision rate is multiplied by the Enskog factor, which is the contact value at the local volume
-    /// fraction.
+    /// True if the collision rate is multiplied by the Enskog factor: the value of the pair distribution at contact,
+    /// for the local volume fraction.
     pub enskog: bool,
-    /// Numbers of cells along x, y and z; `None` if they are chosen from the mean free path and the number of
+    /// Numbers of cells along x, y and z; `None` if the program chooses them from the mean free path and the number of
     /// particles.
     pub cells: Option<[usize; 3]>,
     /// [-] ratio of the longest time step to the mean free time, the mean time between two collisions of a particle.
@@ -421,7 +421,7 @@ impl TrajectoryFormat {
 pub enum AverageFrom {
     /// [s] averaging begins at this simulated time.
     Time(f64),
-    /// Averaging begins when the state is found to be steady, which is detected after the run.
+    /// Averaging begins where the steady part of the run begins; this instant is determined after the run.
     Steady,
 }
 

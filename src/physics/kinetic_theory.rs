@@ -12,19 +12,19 @@ pub fn contact_value(a: f64, b: f64, volume_fraction: f64, second_moment: f64) -
     1.0 / free + 3.0 * ratio / (free * free) + 2.0 * ratio * ratio / (free * free * free)
 }
 
-/// [-] leading Sonine coefficient a₂, which measures the deviation of the velocity distribution from a Maxwellian. It
-/// is for a homogeneous gas of smooth spheres that cools, with the `restitution` e: 16 (1 - e)(1 - 2e²)/(81 - 17 e + 30
-/// e² (1 - e)) (van Noije and Ernst 1998, Granular Matter 1, 57). The formula comes from equations linear in a₂. It
-/// differs from simulations by some per cent for e above 0.6.
+/// [-] leading Sonine coefficient a₂ of a homogeneous gas of smooth spheres that cools, with the `restitution` e. It
+/// measures the deviation of the velocity distribution from a Maxwellian. Its value is 16 (1 - e)(1 - 2e²)/(81 - 17 e +
+/// 30 e² (1 - e)) (van Noije and Ernst 1998, Granular Matter 1, 57). The formula comes from equations linear in a₂. For
+/// e above 0.6 the result differs from simulations by some per cent.
 pub fn cooling_a2(restitution: f64) -> f64 {
     let (e, square) = (restitution, restitution * restitution);
     // numbers of van Noije and Ernst 1998 in three dimensions
     16.0 * (1.0 - e) * (1.0 - 2.0 * square) / (81.0 - 17.0 * e + 30.0 * square * (1.0 - e))
 }
 
-/// [-] leading Sonine coefficient a₂, which measures the deviation of the velocity distribution from a Maxwellian. It
-/// is for a homogeneous gas of smooth spheres with random accelerations, with the `restitution` e: 16 (1 - e)(1 -
-/// 2e²)/(241 - 177 e + 30 e² (1 - e)) (van Noije and Ernst 1998, Granular Matter 1, 57). The formula comes from
+/// [-] leading Sonine coefficient a₂ of a homogeneous gas of smooth spheres with random accelerations, with the
+/// `restitution` e. It measures the deviation of the velocity distribution from a Maxwellian. Its value is 16 (1 -
+/// e)(1 - 2e²)/(241 - 177 e + 30 e² (1 - e)) (van Noije and Ernst 1998, Granular Matter 1, 57). The formula comes from
 /// equations linear in a₂.
 pub fn heated_a2(restitution: f64) -> f64 {
     let (e, square) = (restitution, restitution * restitution);

@@ -82,7 +82,7 @@ pub struct Outcome {
     /// Averages of the gas over the averaging period with two-way coupling; `None` if particles do not change the gas.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gas: Option<GasFlow>,
-    /// Flow of particles through each outlet and inlet; empty in a scene without any.
+    /// Flow of particles through each outlet and inlet; empty in a scene without outlets and inlets.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub flows: Vec<FlowAverages>,
     /// Results of the measurements that the case asks for.
@@ -171,7 +171,7 @@ pub struct Replicas {
 /// Wall-clock times of one run.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Timing {
-    /// [s] total time between the initial state and the last sample.
+    /// [s] total wall-clock time between the initial state and the last sample.
     pub wall_seconds: f64,
     /// [s] time spent in the engine.
     pub engine: f64,

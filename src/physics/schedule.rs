@@ -381,7 +381,7 @@ pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
 
 /// [-] largest relative decrease of the slip, the velocity of the gas relative to the particles, by the force on the
 /// gas within a window. The gas velocity is constant in a kick. So the exchange of momentum is an explicit scheme:
-/// stable if this number is below 2, with an error of first order in it.
+/// stable if this number is below 2, with an error of first order in this number.
 const EXCHANGED: f64 = 0.1;
 
 /// [s] longest window with two-way coupling; infinite if particles do not change the gas. The slip of the gas decays at
@@ -405,8 +405,8 @@ pub fn longest_for_coupling(experiment: &Experiment) -> f64 {
     EXCHANGED * fluid.density * volume / exchange.sum::<f64>()
 }
 
-/// [1/s] collision rate of each particle in an elastic gas without gravity and drag, whose agitation is constant; 0 for
-/// all other scenes.
+/// [1/s] collision rate of each particle in a scene without losses, friction, gravity and a surrounding gas, in which
+/// the agitation is constant; 0 for all other scenes.
 fn steady_rate(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(experiment.most_that_touch(experiment.count()));

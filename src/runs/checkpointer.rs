@@ -1,5 +1,6 @@
 //! Checkpoints of a command. The states of its runs are stored at intervals, when a run has ended, and when the user
-//! stops the command. In this file the end of a run means its final state and the data of its observers.
+//! stops the command. In this file the end of a run means its final state and the data of its observers. Observers are
+//! the measurements during a run.
 
 use super::error::StudyError;
 use super::resumable::ResumableRun;
@@ -21,7 +22,7 @@ pub struct Checkpointer {
     /// Store for the files of checkpoints; `None` if the command writes no checkpoints.
     store: Option<Store>,
     every: Option<Duration>,
-    /// Wall time of the latest checkpoint or, before the first one, of the start of the command.
+    /// Instant of the latest checkpoint or, before the first one, of the start of the command.
     last: Instant,
     /// Run that was in progress when the earlier command stopped, with its stored state. `None` if there is no such
     /// state, or if it has been used.
@@ -58,11 +59,11 @@ enum Ends {
 
 impl Checkpointer {
     /// Creates the checkpointer of a command that writes into `folder`. If the command begins, its arguments are
-    /// stored. If the command is resumed, the stored state is read.
+    /// stored. If it is resumed, or typed again for a folder with results, the stored state is read.
     ///
     /// # Errors
     /// Returns an error if the case of a resumed command has changed, or if the system refuses access to the folder or
-    /// the signal handlers.
+    /// refuses to install the signal handlers.
     pub fn new(
         settings: &CommandSettings,
         folder: &Folder,
@@ -108,7 +109,7 @@ impl Checkpointer {
     /// states in the folder of the lead process, and sends final states and data of observers to the lead process.
     ///
     /// # Errors
-    /// Returns an error if the system refuses the signal handlers.
+    /// Returns an error if the system refuses to install the signal handlers.
     pub fn of_helper(settings: &CommandSettings) -> Result<Self, StudyError> {
         let CheckpointEvery(every) = settings.checkpoint_every;
         Ok(Self {
@@ -198,8 +199,8 @@ impl Checkpointer {
         self.under_way = newest.found;
     }
 
-    /// Stored state from which a run continues: its end, or a state before it. `None` if the run must begin at its
-    /// start.
+    /// Stored state from which a run continues: its end, or a state before its end. `None` if the run must begin at its
+    /// start. Prints from which time a run continues, and a warning if a file cannot be used.
     pub fn earlier(&mut self, run: &RunIdentity) -> Option<StoredRun> {
         self.stored = None;
         if let Ends::Received(bytes) = &self.ends {
@@ -260,8 +261,8 @@ impl Checkpointer {
     }
 
     /// Stores the state of a run that has not ended; `parts` is the result of storing the parts of this state, one for
-    /// each process. Returns true if the command must stop. If storing fails, the run continues, and the state that was
-    /// stored before remains.
+    /// each process. Returns true if the command must stop. If storing fails, a warning is printed, the run continues,
+    /// and the state that was stored before remains.
     pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun, parts: Result<(), OutputError>) -> bool {
         if let Some(store) = &mut self.store {
             match parts.and_then(|()| store.keep(run, kept)) {
@@ -292,8 +293,9 @@ impl Checkpointer {
         }
     }
 
-    /// Stores the final state of a run and the data of its observers, after its `parts` have been written. If another
-    /// process needs these data, they are put into memory as bytes instead.
+    /// Stores the final state of a run and the data of its observers; `parts` is the result of storing the parts of
+    /// this state. If storing fails, a warning is printed. If another process needs these data, they are put into
+    /// memory as bytes instead.
     ///
     /// # Errors
     /// Returns an error if the data cannot be serialised for another process.
@@ -325,7 +327,7 @@ impl Checkpointer {
     /// Receives the final state of the run and the data of its observers from another process, and stores them.
     ///
     /// # Errors
-    /// Returns an error if the bytes do not belong to this run.
+    /// Returns an error if the bytes are damaged, do not belong to this run, or cannot be stored.
     pub fn receive(&mut self, run: &RunIdentity, bytes: &[u8]) -> Result<(), StudyError> {
         match open::<(RunIdentity, StoredRun)>(bytes) {
             Ok((of, kept)) if of == *run => {

@@ -1,4 +1,4 @@
-//! Errors with which a command ends, and the exit codes of these errors.
+//! Errors with which a command ends, and the exit codes of these errors. A variant is one of the experiments of a case.
 
 use crate::case::Diagnostic;
 use crate::engine::Failure;
@@ -15,8 +15,8 @@ pub enum StudyError {
     /// The command failed after it had begun. Files that were written before the failure can be read. Exit code 1.
     #[error("{0}")]
     Failed(String),
-    /// The user has stopped the command. Results so far have been written, and the command can be resumed. Exit code
-    /// 130.
+    /// The user has stopped the command. Results so far have been written. The command can be resumed unless the user
+    /// has switched checkpoints off. Exit code 130.
     #[error("{0}")]
     Stopped(String),
 }
@@ -38,14 +38,15 @@ impl From<OutputError> for StudyError {
     }
 }
 
-/// Returns an error if the runs of some variants failed. Each variant has a name and its failure, if there is one.
+/// Returns an error if the run of at least one variant failed. `variants` gives the name of each variant, and its
+/// failure if there is one.
 pub fn failures_of<'a>(variants: impl Iterator<Item = (&'a str, Option<&'a Failure>)>) -> Result<(), StudyError> {
     let failed: Vec<String> =
         variants.filter_map(|(name, why)| Some(format!("error: \"{name}\" stopped: {}", why?))).collect();
     if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
 }
 
-/// Returns an error if some outcomes of a command contain a failure.
+/// Returns an error if at least one outcome of a command contains a failure.
 pub fn failures(outcomes: &[Outcome]) -> Result<(), StudyError> {
     failures_of(outcomes.iter().map(|o| (o.experiment.name.as_str(), o.failure.as_ref())))
 }

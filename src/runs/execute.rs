@@ -1,4 +1,5 @@
-//! Runs one variant from its initial state to its outcome. A variant is one of the experiments of a case.
+//! Runs one variant from its initial state to its outcome. A variant is one of the experiments of a case, and an
+//! observer is a measurement during a run. If several processes share a run, one of them is the lead.
 
 use super::checkpointer::Checkpointer;
 use super::error::StudyError;
@@ -47,7 +48,8 @@ pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn
 /// With `shared`, all processes share the run. This process, the lead, first sends the index of the run to the others.
 ///
 /// # Errors
-/// Returns an error if the stored state belongs to another run.
+/// Returns an error if the run cannot begin, if its state cannot be stored, or if the stored state belongs to another
+/// run.
 pub fn execute_with_checkpoints(
     run: &ResumableRun,
     others: &mut [&mut dyn Observer],
@@ -192,8 +194,8 @@ fn begin_or_resume(
 }
 
 /// Stores the state of a run at a checkpoint or at the end of the run. `over` is `None` at a checkpoint. At the end it
-/// contains the failure of the run, or `Some(None)` without a failure. Returns the failure that stops the run: it was
-/// asked to stop, or a file could not be written.
+/// contains the failure of the run, or `Some(None)` without a failure. Returns the failure that stops the run: the user
+/// asked for a stop, or a file could not be written. `None` if no such failure stops it.
 fn store(
     simulation: &mut Simulation,
     course: &RunLoop,
@@ -201,7 +203,7 @@ fn store(
     (run, checkpointer): (&RunIdentity, &mut Checkpointer),
     over: &Option<Option<Failure>>,
 ) -> Result<Option<Failure>, StudyError> {
-    // after a failure to write, the run is resumed from the state stored before, so no final data are stored
+    // after a failure to write, the run can be resumed from the state stored before, so no final data are stored
     let unwritten = matches!(over, Some(Some(Failure::Unwritten { .. })));
     if unwritten || over.is_some() && !checkpointer.wants_the_end() {
         return Ok(None);

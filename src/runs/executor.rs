@@ -1,5 +1,6 @@
 //! Executor of the runs of a command. Runs are done one at a time or concurrently, by the threads of this process and
-//! by other processes. A stored run continues from its stored state, and a run that has ended is not repeated.
+//! by other processes. A stored run continues from its stored state, and a run that has ended is not repeated. The lead
+//! process distributes the runs among the other processes, the helpers. An observer is a measurement during a run.
 
 use super::checkpointer::Checkpointer;
 use super::error::StudyError;
@@ -161,15 +162,16 @@ impl<'a> Executor<'a> {
         })
     }
 
-    /// Stored result of the run at `index`; `None` if the run had not ended when the command was resumed.
+    /// Stored result of the run at `index`; `None` if the command was not resumed, or if no result of this run was
+    /// stored before.
     pub fn stored<R: RunResult>(&self, index: usize) -> Option<R> {
         R::from_bytes(&self.checkpointer.result(&self.runs[index].identity)?)
     }
 
     /// Does the runs at `indices` concurrently, in all processes. Each process does at most as many runs at a time as
     /// it has threads. The results do not depend on the numbers of processes and threads. The function `finished` gets
-    /// the index and the result of each run, in the order in which runs end. If the user stops the command, incomplete
-    /// runs are stored and left out.
+    /// the index and the result of each run, in the order in which runs end. If the user stops the command, the states
+    /// of incomplete runs are stored, and `finished` is not called for them.
     ///
     /// # Errors
     /// Returns the first error of `finished`. Other errors are that a run cannot begin, that its stored state belongs

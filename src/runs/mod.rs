@@ -1,4 +1,4 @@
-//! Runs of the commands: this module makes outcomes from settings and a list of runs.
+//! Runs of the commands: this module makes outcomes (the results of runs) from settings and a list of runs.
 //!
 //! `Executor` does the runs, one at a time or concurrently, by threads of this process and by other processes. A stored
 //! run continues from its stored state. The commands make the list of runs, and write documents about the outcomes.

@@ -1,5 +1,5 @@
-//! Progress on the terminal: the simulated time that the run has reached, its speed, and the remaining wall time of all
-//! runs. If the output is not a terminal, one line is printed per interval.
+//! Progress on the terminal: the simulated time that the run in progress has reached, its speed, and the remaining wall
+//! time of all runs. If the output is not a terminal, one line is printed per interval.
 //!
 //! A run stores the time that it has reached in its clock, also within a window (time between two exchanges of momentum
 //! with the gas). A separate thread reads this clock and updates the display. So the display changes during a long
@@ -113,7 +113,8 @@ impl ProgressSource {
 
 impl Track {
     /// [s] simulated time that the run has reached, and its present speed [s/s]: simulated time divided by wall time.
-    /// The speed is `None` while it is not known.
+    /// The speed is `None` while it is not known. A point for later measurements of the speed is stored, and old points
+    /// are dropped.
     fn now(&mut self) -> (f64, Option<f64>) {
         let wall = self.began.elapsed().as_secs_f64();
         let time = self.reached.time();
@@ -246,7 +247,7 @@ impl Observer for Watch {
 }
 
 impl Board {
-    /// Updates the display if it is due. It shows the run in progress with the highest index.
+    /// Updates the display if it is due. The display shows the run in progress with the highest index.
     fn show(&mut self) {
         let due = match &self.display {
             ProgressDisplay::Silent => false,
@@ -271,8 +272,8 @@ impl Board {
         }
     }
 
-    /// Records that the run with the index `run` has ended at the simulated time `time` [s]. A line is printed if this
-    /// is its full duration.
+    /// Records that the run with the index `run` has ended at the simulated time `time` [s]. If this is the full
+    /// duration of the run, a line is printed unless the display is silent.
     fn end(&mut self, run: usize, time: f64) {
         let wall = match &self.runs[run].stage {
             RunStage::Running(track) => track.began.elapsed().as_secs_f64(),
@@ -324,7 +325,7 @@ impl Board {
 
     /// [s] remaining wall time of all runs: the sum over the runs, divided by the number of runs in progress. A run
     /// that has not begun counts as fast as the runs with its model or, without such runs, as the mean of all runs.
-    /// `None` if no speed is known.
+    /// `None` if the speed of a run in progress is not known, or if no speed is known at all while a run waits.
     fn left(&self, rates: &[(f64, Option<f64>)]) -> Option<f64> {
         let mean = |model: Option<Model>| {
             let known = self.runs.iter().zip(rates).filter(|(run, _)| model.is_none_or(|model| run.model == model));
@@ -377,7 +378,7 @@ mod tests {
     use indicatif::{ProgressDrawTarget, TermLike};
     use std::io::Result;
 
-    /// Terminal with the given number of columns that stores the text drawn on it.
+    /// Terminal with a given number of columns. It stores the text that is drawn on it.
     #[derive(Clone, Debug)]
     struct Narrow(u16, Arc<Mutex<Vec<String>>>);
 

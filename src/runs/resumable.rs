@@ -19,8 +19,8 @@ pub struct ResumableRun {
     /// True if no other run is done at the same time, so that the wall time of this run is meaningful. If this is true
     /// for all runs of a command, all processes share each run.
     pub is_lone: bool,
-    /// Name of the files of the trajectory and settings of the trajectory; `None` if none is written. Only a run that
-    /// is done alone has a trajectory.
+    /// Name of the files of the trajectory and settings of the trajectory; `None` if no trajectory is written. Only a
+    /// run that is done alone has a trajectory.
     pub trajectory: Option<(String, Trajectories)>,
     /// Initial state; `None` if it is made only when the run begins, or if the run has taken it.
     start: Mutex<Option<Start>>,
@@ -61,10 +61,11 @@ impl ResumableRun {
         Self { is_lone: true, trajectory, ..self }
     }
 
-    /// Initial state of the run. It is taken out of this value, so that its memory is free when the run has ended.
+    /// Initial state of the run. The state is moved out of this `ResumableRun`, so that its memory is free when the run
+    /// has ended; a second call makes it again.
     ///
     /// # Errors
-    /// Returns an error if the scene is too crowded to start.
+    /// Returns an error if the scene is too crowded to start or too large for the memory.
     pub fn start(&self) -> Result<Start, StudyError> {
         let made = self.start.lock().unwrap_or_else(PoisonError::into_inner).take();
         made.map_or_else(|| start(&self.experiment).map(Start::from), Ok)
@@ -90,7 +91,7 @@ fn mark_of(checksums: impl Iterator<Item = u32>) -> u32 {
     checksum(&checksums.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())
 }
 
-/// Makes the initial state of one variant. Returns an error (wrong input) if the scene is too crowded to start or too
+/// Makes the initial state of an experiment. Returns an error (wrong input) if the scene is too crowded to start or too
 /// large for the memory.
 pub fn start(experiment: &Experiment) -> Result<Particles, StudyError> {
     refuse_too_large(experiment)?;

@@ -55,8 +55,9 @@ pub trait RunList: Sync {
     fn under_way(&self) -> Vec<(usize, f64)>;
 }
 
-/// Does the runs at `indices`, in this process and in helper processes. The function `finished` gets the
-/// index and the result of each run, in the order in which runs end.
+/// Does the runs at `indices`, in this process and in helper processes. The function `finished` gets the index and the
+/// result of each run, in the order in which runs end. After a run was stopped before its end, no further run begins,
+/// and stopped runs give no result.
 ///
 /// # Errors
 /// Returns the first error of `finished`, the error of a helper that can do no run, or an error if no thread can be
@@ -114,7 +115,8 @@ pub fn distribute<R: RunList>(
     })
 }
 
-/// Does runs in a helper process until the command has ended. The lead process sends the indices of the runs.
+/// Does runs in a helper process until the command has ended. The lead process sends the indices of the runs. `signals`
+/// stops the runs in progress when the lead requests a stop or ends the command.
 ///
 /// # Errors
 /// Returns an error if no thread can be started.

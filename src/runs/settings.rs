@@ -19,7 +19,7 @@ pub enum CommandOrigin {
     Resumed {
         /// Folder with the results of the stopped command.
         folder: PathBuf,
-        /// Command line of the stopped command, as the user typed it.
+        /// Stored data of the stopped command: its command line as the user typed it, and the identities of its runs.
         command: StoredCommand,
         /// True if the continued command prints nothing.
         quiet: bool,
@@ -96,7 +96,8 @@ impl CommandSettings {
         }
     }
 
-    /// Origin of the results for the report: command, case and program. `scene` is a description of the scene.
+    /// Origin of the results for the report: title, path and text of the case, command line, and the description
+    /// `scene` of the scene.
     pub fn provenance(&self, case: &Case, scene: String) -> Provenance {
         Provenance { command: quoted(self.arguments()), ..provenance(case, scene) }
     }
@@ -126,7 +127,8 @@ fn make(path: PathBuf, overwrite: bool) -> Result<Folder, StudyError> {
     Folder::create(path, overwrite).map_err(|error| StudyError::Input(format!("error: {error}")))
 }
 
-/// Origin of the results for the report: command, case and program. `scene` is a description of the scene.
+/// Origin of the results for the report: title, path and text of the case, command line, and the description `scene` of
+/// the scene.
 pub fn provenance(case: &Case, scene: String) -> Provenance {
     Provenance {
         title: case.title.clone(),

@@ -75,7 +75,7 @@ impl<'a> StandardObservers<'a> {
     }
 
     /// Outcome of a run that has ended or failed, made from the measurements of the observers. `failure` is the reason
-    /// why the run failed; `None` if it ended. `final_state_hash` is the hash of its final state.
+    /// why the run failed; `None` if it reached its end. `final_state_hash` is the hash of its final state.
     pub fn outcome(self, simulation: &Simulation, failure: Option<Failure>, final_state_hash: u64) -> Outcome {
         let steadiness =
             self.motion.steadiness(self.experiment.run.average_from, self.kinds.series(&self.experiment.scene));

@@ -1,4 +1,5 @@
-//! Output to the user. No other file writes to standard output or standard error.
+//! Output to the user. Apart from the progress bar and the messages of the command-line parser, no other file writes to
+//! standard output or standard error.
 //!
 //! Standard output or standard error may be closed, full, or a pipe whose reader has ended (`diptych run CASE 2>&1 |
 //! head -1`). Rust's `println!` and `eprintln!` would then end the program. The functions in this file return instead,
@@ -55,7 +56,8 @@ fn print(text: &str) -> Result<(), StudyError> {
     }
 }
 
-/// Prints the warnings about all variants, equal warnings once. Nothing is printed if `quiet` is true.
+/// Prints the warnings about all variants (experiments of a case), equal warnings once. Nothing is printed if `quiet`
+/// is true.
 pub fn warn(variants: &[Checked], quiet: bool) {
     let mut told: Vec<&Diagnostic> = Vec::new();
     for warning in variants.iter().flat_map(|(_, warnings)| warnings) {

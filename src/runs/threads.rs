@@ -17,7 +17,7 @@ pub fn share_threads(effort: &Effort, ranks: &Ranks) -> Result<(), StudyError> {
 
 /// Sets the number of threads of this process, if the user has given it. With one thread, the calling thread does the
 /// work itself. Otherwise it would wait for another thread in each window (time between two exchanges with the gas).
-/// The waiting takes most of the time of small scenes on a busy machine.
+/// For a small scene on a busy machine, this waiting would take longer than the work.
 pub fn use_threads(threads: Option<usize>) -> Result<(), StudyError> {
     let Some(threads) = threads else { return Ok(()) };
     let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads);

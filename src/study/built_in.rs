@@ -38,7 +38,8 @@ fn question(heading: &str) -> Option<String> {
     Some(after[..end].split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Copies a built-in case to a new file, and the files that the case names to the folder of this new file.
+/// Copies a built-in case to a new file, and the files that the case names to the folder of this new file. Prints the
+/// paths of the written files.
 ///
 /// # Errors
 /// Returns an error if no built-in case has the name, if the new file exists already, or if a file cannot be written. A

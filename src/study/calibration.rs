@@ -1,5 +1,6 @@
-//! Measurements on which a plan depends: the agitation (random velocities) of the particles, and the wall time of a
-//! window on this machine. A window is the time between two exchanges of momentum with the gas.
+//! Measurements on which a plan (the prediction of `diptych plan`) depends: the agitation (random velocities) of the
+//! particles, and the wall time of a window on this machine. A window is the time between two exchanges of momentum
+//! with the gas.
 //!
 //! The agitation is measured in a short run of the case with shorter periodic sides of its box. Numbers of windows and
 //! collisions set the length of this run, so this length is the same on every machine. Wall times are measured in a few
@@ -24,7 +25,7 @@ use std::f64::consts::PI;
 use std::time::Instant;
 
 /// Approximate number of particles in the short run that measures the agitation (random velocities). So many particles
-/// are enough for a velocity distribution.
+/// are enough to measure a velocity distribution.
 const PARTICLES: f64 = 500.0;
 
 /// Largest length of the short run that measures the agitation (random velocities). It is the number of particles times
@@ -103,7 +104,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let (outcome, end) = execute(&small, start, &mut []);
     let found = granular_temperature(&outcome).filter(|found| found.is_finite() && *found > 0.0).unwrap_or(drawn);
     // if nothing drives the particles (no gas, shear, heating or moving wall): temperature of the start times the share
-    // that collisions leave in the short run
+    // of it that collisions leave in the short run
     let variance =
         if is_driven(experiment) { found } else { found / drawn * variance_of(&initial_state(experiment).ok()?) };
     let count = outcome.particles.max(1) as f64;
@@ -125,7 +126,7 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     };
     let relative = end.relative_to_flow(&small.scene.domain);
     let temperatures = by_species(&relative, variance, experiment.scene.species.len());
-    // with walls, slices across y are compared; without walls all positions are equivalent
+    // with a surrounding gas and walls, slices across y are compared; otherwise all positions count as equivalent
     let walled = experiment.scene.fluid.is_some() && !experiment.scene.walls.is_empty();
     let spread = if walled { AgitationSpread::of(&slices(&outcome)) } else { AgitationSpread::even() };
     let enough = |speeds: &Histogram| (speeds.total >= IMPACTS).then(|| speeds.clone());
@@ -188,7 +189,8 @@ fn smaller(experiment: &Experiment) -> Experiment {
     let domain = &mut small.scene.domain;
     let axes = domain.periodic.iter().filter(|periodic| **periodic).count();
     let diameter = experiment.scene.largest_diameter();
-    // with a body or an opening inside the domain the box is not shortened, since it would then be at another position
+    // with a body or an opening inside the domain the box is not shortened, since the body or opening would then be at
+    // another position
     let flat = experiment.scene.walls.iter().all(|wall| wall.geometry.is_flat());
     let open = experiment.scene.has_openings();
     if axes > 0 && flat && !open && count as f64 > PARTICLES {
@@ -257,8 +259,9 @@ fn temperature_error(outcome: &Outcome) -> Option<f64> {
 
 /// Copy of the experiment with the collision model and the time stepping of `choice`. Soft and hybrid spheres get the
 /// contact law `law` or, if `law` is `None`, that of the case. The result is `None` if they need a contact law and
-/// neither gives one. It is also `None` if the scene has walls that the model cannot have. These are servo walls for
-/// hard spheres, all moving walls for collisions by chance (DSMC), and thermal walls for soft and hybrid spheres.
+/// neither gives one. It is also `None` if the scene has walls that the model cannot have. These are servo walls (which
+/// move to keep the pressure on them) for hard spheres, all moving walls for collisions by chance (DSMC), and thermal
+/// walls for soft and hybrid spheres.
 pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<ContactLaw>) -> Option<Experiment> {
     let scene = &experiment.scene;
     let is_refused = match choice {
@@ -301,8 +304,8 @@ pub struct Timed {
 }
 
 /// Predicted wall time and memory of each collision model. Each prediction comes from the timing of some windows (times
-/// between two exchanges with the gas), which begin with the particles `start`. Soft spheres have the contact law
-/// `law`.
+/// between two exchanges with the gas), which begin with the particles `start`. Soft and hybrid spheres have the
+/// contact law `law`. Models that cannot run the scene are left out.
 pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>) -> Vec<PredictedCost> {
     EngineChoice::ALL
         .into_iter()
@@ -390,10 +393,10 @@ fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 
 }
 
 /// [byte] memory for the figures and the page of one variant. They are made after the run, so the timing does not
-/// include them (measured on the built-in cases).
+/// include them. The value was measured on the built-in cases.
 const REPORT: f64 = 0.5e6;
 
-/// [byte] memory of one particle in the store: position, velocity, radius, mass, species, id.
+/// [byte] memory of the data of one particle: position, velocity, radius, mass, species, id.
 const BYTES: f64 = 8.0 * 8.0 + 2.0 + 4.0;
 
 /// [s] wall time of one sample of the statistics: the velocities of all particles are added to the averages over slices
@@ -414,9 +417,9 @@ fn resident() -> Option<f64> {
     Some(1024.0 * kibibytes)
 }
 
-/// Copy of the experiment in which all windows (times between two exchanges with the gas) have equal length. In a gas,
-/// each species starts with random velocities of the granular temperature `temperatures` [m²/s²], listed by species
-/// index.
+/// Copy of the experiment in which all windows (times between two exchanges with the gas) have equal length. If the
+/// case has a surrounding gas, each species starts with random velocities of the granular temperature `temperatures`
+/// [m²/s²], listed by species index.
 pub fn agitated(experiment: &Experiment, temperatures: &[f64]) -> Experiment {
     let mut moved = experiment.clone();
     for population in moved.start.iter_mut().filter(|_| experiment.scene.fluid.is_some()) {

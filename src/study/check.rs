@@ -95,13 +95,14 @@ struct CheckedVariant {
     /// Name, value and unit of the elastic parameter of the contact law; `None` for models without lasting contacts,
     /// such as hard spheres.
     contact_law: Option<String>,
-    /// [s] time step of the soft model; `None` if there is no contact law or if nothing can touch.
+    /// [s] time step of soft contacts; `None` if there is no contact law, or if the step is set per contact and nothing
+    /// can touch.
     time_step: Option<f64>,
     /// [-] number of time steps of soft spheres in the whole run; `None` if there is no time step.
     steps: Option<f64>,
-    /// [s] duration of the shortest contact of two particles; `None` if there is none.
+    /// [s] duration of the shortest contact of two particles; `None` if there is no such contact.
     pair_contact: Option<f64>,
-    /// [s] duration of the shortest contact of a particle with a wall; `None` if there is none.
+    /// [s] duration of the shortest contact of a particle with a wall; `None` if there is no such contact.
     wall_contact: Option<f64>,
     /// Kinds of contact, such as that of two species, with their names and durations [s]. At most 20 are listed, the
     /// shortest ones. Empty if there is at most one kind between particles and at most one at walls.
@@ -276,7 +277,8 @@ fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
 
 /// Reasons that would prevent a run, found without running it. If the memory is too small, this is the only reason.
 /// Otherwise the obstacles to hard spheres are listed, as the command `plan` finds them. Limits of soft spheres are
-/// checked when a case is read; hard spheres in time steps are not checked.
+/// checked when a case is read; hard spheres in time steps are not checked. With more than [`MOST`] particles only the
+/// memory is checked.
 ///
 /// # Errors
 /// Returns an error if the scene is so crowded that the command `run` refuses it.

@@ -23,7 +23,8 @@ const PIECE: usize = 4;
 const MOST: usize = 64;
 
 /// Begins or resumes the runs of all variants of a case, and writes their results to one folder. Runs that are complete
-/// are not repeated. Returns one answer for all comparisons of the variants; `None` if there is a single variant.
+/// are not repeated. Returns one answer for all comparisons of the variants; `None` if there is a single variant, or if
+/// this is a helper process of a command with several processes.
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or for failures of engines, after everything has been
@@ -59,7 +60,7 @@ pub fn compare(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -> Result<O
 }
 
 /// Numbers of replicas (runs with different seeds) after which a comparison is tested. Each of these tests is called a
-/// "look" at the results so far; all but the last are interim tests.
+/// "look" at the results so far; all tests but the last are interim tests.
 #[derive(Clone, Copy, Debug)]
 struct Looks {
     /// Number of further replicas (runs with different seeds) of each variant from one test to the next.

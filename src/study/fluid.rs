@@ -38,7 +38,8 @@ pub struct ChannelSummary {
     pub model: String,
     /// [m/s] friction velocity u_τ of the channel flow.
     pub friction_velocity: f64,
-    /// [-] friction Reynolds number u_τ h/ν of the channel, with half the height h and the kinematic viscosity ν.
+    /// [-] friction Reynolds number u_τ h/ν of the channel, where h is half the height of the channel and ν the
+    /// kinematic viscosity.
     pub reynolds_tau: f64,
     /// Number of cells of the grid over half the height of the channel.
     pub cells: usize,
@@ -127,7 +128,8 @@ pub fn fluid(args: &Args) -> Result<(), StudyError> {
 
 /// Writes the profile of the gas between walls at y = 0 and y = `height` [m]. A k-epsilon profile is written at the
 /// nodes of its grid in both halves of the channel. Near the walls it has points of the law of the wall, without k, ε
-/// and ν_t. Any other profile is written at equal distances.
+/// and ν_t. Any other profile is written at equal distances. Figures of the profile and its summary are also written;
+/// the summary is returned.
 ///
 /// # Errors
 /// Returns an error if a file cannot be written.
@@ -213,7 +215,7 @@ fn summary(fluid: &Fluid, height: f64) -> FluidSummary {
 }
 
 /// Gas profiles of the variants of a case, each with the name of the first variant that has this gas. Empty if all
-/// variants have one gas.
+/// variants have the same gas or none.
 fn gases(case: &Case) -> Vec<(String, Profile)> {
     let mut gases: Vec<(String, Profile)> = Vec::new();
     for (experiment, _) in case.variants(None).unwrap_or_default() {

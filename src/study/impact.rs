@@ -103,8 +103,8 @@ fn notes(surface: &Surface) -> Vec<String> {
     notes
 }
 
-/// Sentences on the oblique impacts of each further variant: how far the rebound differs from that of the first
-/// variant.
+/// Sentences on the oblique impacts of each further variant: the largest difference of its tangential impulse from that
+/// of the first variant.
 fn differences(study: &ObliqueStudy) -> Vec<String> {
     let first = &study.curves[0].name;
     let sentence = |k: usize| {
@@ -273,7 +273,8 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -
 
 /// Closed form of the impact: straight flight until the bodies touch, the contact, then straight flight. A soft contact
 /// follows the contact law (Eq. 6 of the paper of docs/paper.md); a hard one takes an instant. `None` if gravity curves
-/// the flight towards a wall, if the wall moves, if the bodies do not meet, or if the contact has no end.
+/// the flight towards a wall, if the wall moves, if the bodies do not meet or already overlap at the start, or if the
+/// contact has no end.
 fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) -> Option<Analytic> {
     let approach = -first.normal_velocity;
     let scene = &experiment.scene;

@@ -107,7 +107,7 @@ fn mass_ratio(particles: &Particles, meeting: &ImpactPair) -> Option<f64> {
 }
 
 /// [m/s] slip of the surfaces after an impact without gas and gravity. The last argument has the normal speed [m/s] and
-/// the slip [m/s] before the impact. `None` if the impact does not end.
+/// the slip [m/s] before the impact. `None` if the impact does not end within the run, or if the run fails.
 fn thrown(
     experiment: &Experiment,
     particles: &Particles,

@@ -34,7 +34,7 @@ pub const USUAL_TARGET: f64 = 0.01;
 pub struct PlannedExperiment {
     /// Predictions for the run, and the measurements on which they depend.
     pub plan: RunPrediction,
-    /// Settings that are recommended: engine, contact law, steps per contact and others.
+    /// Settings that are recommended, such as engine, contact law and steps per contact.
     pub recommendation: Recommendation,
     /// Case with the recommended engine, stiffness and time steps. It is unchanged if no engine is adequate.
     pub experiment: Experiment,
@@ -43,7 +43,7 @@ pub struct PlannedExperiment {
 /// Makes the plan of a case and prints it.
 ///
 /// # Errors
-/// Returns the mistake in the case.
+/// Returns an error if the case has a mistake, if its scene is too crowded to start, or if the plan cannot be printed.
 pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     let case = read(&args.case, &args.input)?;
     let checked = any_model(&case, args.effort.seed)?;
@@ -122,8 +122,9 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
     Ok(PlannedExperiment { plan, recommendation, experiment })
 }
 
-/// Predictions that do not depend on the contact law, such as collision rates, mean free path and rest. Fields that
-/// depend on the contact law are empty. `measured` contains the measurements of a short run; `None` without such a run.
+/// Predictions that do not depend on the contact law, such as collision rates, mean free path and the time in which
+/// particles come to rest. Fields that depend on the contact law are empty. `measured` contains the measurements of a
+/// short run; `None` without such a run.
 fn without_contacts(
     experiment: &Experiment,
     target: f64,
@@ -241,9 +242,9 @@ fn with_contacts(
     }
 }
 
-/// Kinds of contact of the case, such as that of two species, with their impact speeds. In a gas the speeds follow from
-/// the temperatures; in scenes of few bodies they are those of the bodies. `measured` contains the measurements of a
-/// short run; `None` without such a run.
+/// Kinds of contact of the case, such as that of two species, with their impact speeds. If the particles form a gas,
+/// the speeds follow from the temperatures or, with a single species, from a short run. In scenes of few bodies they
+/// are those of the bodies. `measured` contains the measurements of a short run; `None` without such a run.
 fn kinds(
     experiment: &Experiment,
     plan: &RunPrediction,
@@ -274,8 +275,9 @@ fn kinds(
 /// root of the averaging time if this time is several mean times between collisions.
 const FREE_TIMES: f64 = 10.0;
 
-/// Number of particles and averaging time with which averages get the desired error. Errors fall with the root of the
-/// number of particles times the time. `None` without a gas, or if the short run was not steady or gave no error.
+/// Number of particles and averaging time with which averages get the desired error. Errors fall with the square root
+/// of the product of the number of particles and the averaging time. `None` if the particles do not form a gas, or if
+/// the short run was not steady or gave no error.
 fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging> {
     let (gas, run) = (plan.gas.as_ref()?, plan.calibration.as_ref().filter(|run| run.steady)?);
     let needed = run.particles as f64 * run.averaged * (run.temperature_error? / plan.target_error).powi(2);

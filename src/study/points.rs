@@ -1,5 +1,5 @@
-//! Independent points of a study (one or several runs with one set of values), of which several run at once, with a
-//! progress display.
+//! Independent points of a study, of which several run at once, with a progress display. A point is one or several runs
+//! with one set of values.
 
 use crate::runs::{StudyError, tell};
 use indicatif::{ProgressBar, ProgressStyle};

@@ -30,9 +30,9 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
 
 /// Pools the replicas (runs with different seeds) of a variant into one outcome, and returns it with the outcomes of
 /// the further replicas. Profiles, temperature, rates, averages of species and measurements are averages over the
-/// replicas. The outcome is steady if more than half of the replicas are. Other results, such as times and energy
-/// balances, are those of the first replica. Failed replicas are left out unless all have failed; the outcome contains
-/// the failure.
+/// replicas. The outcome is steady if more than half of the replicas are steady. Other results, such as times and
+/// energy balances, are those of the first replica. Failed replicas are left out unless all have failed; the outcome
+/// contains the failure.
 pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     let failure = std::iter::once(&first).chain(&others).find_map(|run| run.failure.clone());
     let (mut rest, failed): (Vec<Outcome>, Vec<Outcome>) = others.into_iter().partition(|run| run.failure.is_none());
@@ -91,7 +91,7 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
 
 /// [-] standard deviation of an average between runs, divided by its standard error estimated within each run. It is
 /// the root mean square over the bulk velocity, the temperature and the impact rates, as far as they are known. `None`
-/// if none is known.
+/// if none of these is known.
 fn scatter_over_errors(runs: &[&Outcome]) -> Option<f64> {
     let of = |run: &Outcome| -> [Option<Estimate>; 4] {
         let count = run.profiles.slices.len() as f64;

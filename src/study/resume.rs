@@ -35,7 +35,7 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
         ))
     })?;
     let origin = CommandOrigin::Resumed { folder, command, quiet: args.quiet };
-    // only these commands store their state
+    // only the commands that are continued below store their state
     if let Command::Run(mut typed) = cli.command {
         adopt(args, &mut typed.output, &mut typed.effort);
         // the observer that showed the run on a page has stored no data, so an observer that does nothing takes its
@@ -59,13 +59,13 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     }
 }
 
-/// True if the command showed its run on a page.
+/// True if the command showed its run on a page in the browser.
 #[cfg(feature = "lab")]
 fn is_watched(run: &Run) -> bool {
     run.live
 }
 
-/// False, because a program without the lab has no page.
+/// False, because a program without the feature `lab` shows no run in the browser.
 #[cfg(not(feature = "lab"))]
 fn is_watched(_: &Run) -> bool {
     false

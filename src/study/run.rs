@@ -23,7 +23,7 @@ pub type MakeObserver<'a> = &'a mut dyn FnMut(&Experiment) -> Result<Box<dyn Obs
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or for a failure of the engine, after all results up to
-/// it have been written. Other errors are those of `make`.
+/// this failure have been written. Other errors are those of `make`.
 pub fn run(args: &Run, origin: CommandOrigin, ranks: &Ranks, make: Option<MakeObserver>) -> Result<(), StudyError> {
     let settings = CommandSettings {
         checkpoint_every: args.keep.checkpoint_every,
@@ -63,7 +63,8 @@ pub fn run(args: &Run, origin: CommandOrigin, ranks: &Ranks, make: Option<MakeOb
     results.finish(&findings, &[findings.verdicts.clone(), balance].concat(), &report)
 }
 
-/// Variant that the command runs. The text is the reason for its model; `None` if the user has chosen the model.
+/// Variant that the command runs. The text is the reason for its model; `None` unless the program chooses the model
+/// (`--model auto`).
 fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let auto = args.model == Some(ModelChoice::Auto);
@@ -146,7 +147,7 @@ fn budgets(moments: &SecondMoments, outcome: &Outcome, folder: &Folder) -> Resul
 }
 
 /// Changes the experiment to the engine that its plan recommends. Returns the reason for this engine as a line for the
-/// user.
+/// user, or an error if no engine is adequate.
 fn choose(experiment: &mut Experiment) -> Result<String, StudyError> {
     let planned = plan_of(experiment, USUAL_TARGET, false)?;
     let recommendation = &planned.recommendation;

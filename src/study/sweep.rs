@@ -1,9 +1,10 @@
 //! `diptych sweep CASE`: runs the variants of a case at several values of its keys. A variant is one of the experiments
 //! of a case, a point is one value for each of these keys, and replicas are runs with different seeds.
 //!
-//! The hash of the resolved case identifies a run. The result of a run is stored under this hash, and remains when the
-//! sweep has ended. If a sweep is started again, also with other values, only the missing runs are done. A run that
-//! belongs to several points is done once, such as that of hard spheres at all values of a stiffness.
+//! The hash of the resolved case (with all its values filled in) identifies a run. The result of a run is stored under
+//! this hash, and remains when the sweep has ended. If a sweep is started again, also with other values, only the
+//! missing runs are done. A run that belongs to several points is done once, such as that of hard spheres at all values
+//! of a stiffness.
 
 use super::replicas::{FROZEN, replicas};
 use crate::case::{Case, Checked, SweepAxis, describe_variants, fingerprint};
@@ -140,7 +141,7 @@ fn stopped(done: usize, wanted: usize) -> StudyError {
     ))
 }
 
-/// Error of a sweep in which some runs stopped early; it names these runs with their failures.
+/// Returns an error if at least one run of the sweep stopped early. The error names these runs with their failures.
 fn failures(rows: &[SweepRow], variants: &[String], axes: &[SweepAxis]) -> Result<(), StudyError> {
     let failed = rows.iter().filter_map(|row| {
         let name = format!("\"{}\" at {}", variants[row.variant], point(axes, &row.at));

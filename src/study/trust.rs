@@ -110,7 +110,7 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
 /// End of a sentence on a restitution that differs from the given one, if spheres touch several others at once.
 const SEVERAL: &str = ", since spheres touch several others at once and share their energy with them";
 
-/// True if at some instant of the series the particles had more than one contact each on average.
+/// True if at one instant of the series or more the particles had more than one contact each on average.
 pub(super) fn meets_several(outcome: &Outcome) -> bool {
     outcome.series.rows.iter().any(|row| row.coordination > 1.0)
 }

@@ -45,7 +45,7 @@ fn certain(value: f64) -> Estimate {
 
 /// Makes one check of the trust sheet. With the expectation `Equals`, a result is suspect if its difference from the
 /// expected value exceeds `allowed`. If the result has a standard error, the difference must also exceed 3 standard
-/// errors.
+/// errors. With `AtMost`, a result is suspect if its magnitude exceeds the limit; with `Anything` it is not judged.
 fn check(name: &'static str, unit: &'static str, found: Estimate, expected: Expected, allowed: f64) -> TrustCheck {
     let mut check =
         TrustCheck { name, unit, found: Some(found), expected, judgement: Judgement::Stated, remark: String::new() };

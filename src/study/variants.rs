@@ -59,7 +59,8 @@ impl Variants {
         )))
     }
 
-    /// Smallest number of particles of any variant, at least 1. Particles that inlets are expected to bring count.
+    /// Smallest number of particles of any variant, at least 1. Particles that inlets are expected to bring are
+    /// included.
     fn fewest_particles(&self) -> usize {
         self.experiments().map(|experiment| experiment.expected_count().max(1.0) as usize).min().unwrap_or(1)
     }
@@ -181,7 +182,8 @@ impl<'a> VariantResults<'a> {
     }
 
     /// Makes the trust sheet (checks of reliability) of the variant that was run most recently; `end` is the final
-    /// state of its first run.
+    /// state of its first run. The test with half the time step is done first if the user has asked for it
+    /// (`--verify`).
     ///
     /// # Errors
     /// Returns an error if the stored state of the test with half the time step belongs to another run.
@@ -255,7 +257,7 @@ impl<'a> VariantResults<'a> {
     }
 }
 
-/// Names of files for the variants: the names of the variants in letters that any system accepts. No two of them are
+/// Names of files for the variants: the names of the variants in characters that any system accepts. No two of them are
 /// equal.
 fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();

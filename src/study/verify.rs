@@ -15,7 +15,7 @@ use std::convert::Infallible;
 /// run.
 const PARTS: f64 = 15.0;
 
-/// Number of samples (instants of measurement) in each part of the test. So many are enough for the intervals whose
+/// Number of samples (instants of measurement) in each part of the test. This number is enough for the intervals whose
 /// averages give a standard error.
 const SAMPLES: f64 = 48.0;
 

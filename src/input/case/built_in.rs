@@ -29,8 +29,8 @@ fn find(folder: &'static Dir, kind: &str, name: &str) -> Option<BuiltIn> {
     Some(BuiltIn { name: name.to_owned(), path, text })
 }
 
-/// All TOML files of a folder of built-in files, sorted by name. Files directly in the folder come before those in
-/// subfolders. `kind` is the name of the folder in messages.
+/// All TOML files of a folder of built-in files and of its subfolders, sorted by the depth of the subfolder, then by
+/// name. `kind` is the name of the folder in messages.
 fn all(folder: &'static Dir, kind: &str) -> Vec<BuiltIn> {
     fn names(folder: &Dir, found: &mut Vec<String>) {
         let name = |path: &Path| path.with_extension("").to_string_lossy().replace('\\', "/");

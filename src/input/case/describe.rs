@@ -71,7 +71,7 @@ fn run_in_words(experiment: &Experiment) -> String {
     text
 }
 
-/// Adds to `text` a line about the shear of the box, and one about its orbit.
+/// Adds to `text` a line about the shear of the box and one about its orbit, if the box has them.
 fn shear_in_words(text: &mut String, scene: &Scene) {
     if let Some(shear) = &scene.domain.shear {
         let speed = scene.domain.sliding();
@@ -444,7 +444,7 @@ fn surface(surface: &Surface) -> String {
     }
 }
 
-/// Text of a length [m] with a suitable SI prefix.
+/// Text of a length [m] in um, mm or m, depending on its size.
 pub(crate) fn length(metres: f64) -> String {
     let (number, unit) = match metres.abs() {
         0.0 => (0.0, "m"),
@@ -456,7 +456,7 @@ pub(crate) fn length(metres: f64) -> String {
     format!("{} {unit}", short(number, 6))
 }
 
-/// Text of a time [s] with a suitable SI prefix.
+/// Text of a time [s] in us, ms or s, depending on its size.
 fn time(seconds: f64) -> String {
     let (number, unit) = match seconds.abs() {
         0.0 => (0.0, "s"),

@@ -18,7 +18,7 @@ pub struct KeyTable {
     pub is_list: bool,
     /// Purpose of the table, in words.
     pub about: String,
-    /// Condition under which the table is required, in words; `None` if it never is.
+    /// Condition under which the table is required, in words; `None` if it is never required.
     pub required: Option<String>,
     /// Keys of the table that are not tables themselves.
     pub keys: Vec<Key>,
@@ -31,14 +31,14 @@ pub struct Key {
     pub name: String,
     /// Type of the value, in words: "length", "list of 3: length", "whole number".
     pub kind: String,
-    /// SI unit of a number typed without one; `None` if the key has no unit.
+    /// SI unit of a number typed without a unit; `None` if the key has no unit.
     pub unit: Option<String>,
     /// Default value as it would be typed, or the meaning of an absent key in words; `None` if there is neither.
     pub default: Option<String>,
     /// Allowed range, in the same words as in the message about a value out of range; `None` if the key has no fixed
     /// range.
     pub range: Option<String>,
-    /// Condition under which the key is required, in words; `None` if it never is.
+    /// Condition under which the key is required, in words; `None` if it is never required.
     pub required: Option<String>,
     /// Example of a value, as it would be typed; `None` if there is none.
     pub example: Option<String>,
@@ -160,7 +160,8 @@ pub(super) fn properties(schema: &Value) -> impl Iterator<Item = (&String, &Valu
     branches(schema).iter().filter_map(of).flat_map(Map::iter)
 }
 
-/// Schema of the value of a key in a table, or of the elements of a list if `key` is `None`.
+/// Schema of the value of a key in a table, or of the elements of a list if `key` is `None`. The result is `None` if
+/// the table lacks the key, or if the value is no list.
 pub(super) fn inner<'a>(schema: &'a Value, key: Option<&str>) -> Option<&'a Value> {
     match key {
         Some(key) => properties(schema).find(|(name, _)| *name == key).map(|(_, inner)| inner),
@@ -212,7 +213,7 @@ fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mu
     }
     for (key, value) in inner {
         let name = super::tree::child_place(name, key);
-        // for a choice of a law, the description is that of the branch with the table of the law
+        // for a choice between laws, the description is that of the alternative with the table of the law
         let law = branches(schema)
             .iter()
             .find(|branch| schema.get("oneOf").is_some() && branch["properties"].get(key).is_some());

@@ -395,7 +395,8 @@ fn heading(text: &str) -> String {
 }
 
 /// Hash of all data that determine the results of a run: the experiment and the version of the program. Names of
-/// variants and settings of unused models are left out. Runs with equal hashes must give equal results.
+/// variants, their references and the settings of unused models are left out. Runs with equal hashes must give equal
+/// results.
 ///
 /// # Errors
 /// An experiment that cannot be written as JSON, which would be an error of the program.

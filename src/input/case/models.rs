@@ -37,8 +37,8 @@ impl Library {
         Self { folders: Vec::new() }
     }
 
-    /// Replaces every `use` in the tree by the values of the named set. Keys in the same table as `use` replace those
-    /// of the set.
+    /// Replaces every `use` in the tree, except in the list `[[compare]]`, by the values of the named set. Keys in the
+    /// same table as `use` replace those of the set.
     ///
     /// # Errors
     /// A set that does not exist or cannot be read, with the source position of its `use`.

@@ -231,7 +231,7 @@ pub fn unit(text: &str) -> Result<(Exponents, f64), QuantityError> {
     }
 }
 
-/// [SI] value of a text that is a quantity of one of the named dimensions; `None` for other texts.
+/// [SI] value of a text that is a quantity of one of the `DIMENSIONS`; `None` for other texts.
 pub fn value(text: &str) -> Option<f64> {
     DIMENSIONS.iter().find_map(|(dimension, ..)| parse(text, *dimension).ok())
 }

@@ -11,7 +11,8 @@ use serde_json::Value as Schema;
 const GROUP: &str = "x-one-of";
 
 /// Attribute of a key with the condition, in words, under which the key is required. The conditions `always` and `or
-/// ...` are checked in this file. Other conditions are checked by the code that resolves the key.
+/// ...` (or another key of the group) are checked in this file. Other conditions are checked by the code that resolves
+/// the key.
 const REQUIRED: &str = "x-required";
 
 /// Attribute of a key with the allowed range of its numbers, in the same words as in messages.
@@ -138,7 +139,8 @@ fn collect<'a>(node: &'a CaseNode, schema: &'static Schema, path: String, found:
     }
 }
 
-/// Keys that are always required and that a case lacks, in the order in which the types of a case declare them.
+/// Keys that are always required and that a case lacks, and groups without the one key that they require, in the order
+/// in which the types of a case declare them.
 pub(super) fn missing(tree: &CaseNode) -> Vec<MissingKey<'_>> {
     let mut found = Vec::new();
     for table in tables(tree) {

@@ -1,5 +1,5 @@
-//! Splits a text into words with their line numbers. The text may have any encoding, because names in mesh files may
-//! be written in any.
+//! Splits a text into words with their line numbers. The text may have any encoding, because mesh files may contain
+//! names in any encoding.
 
 /// Word of a text, with its line.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +93,7 @@ impl<'a> Words<'a> {
         self.line += 1;
     }
 
-    /// Reads the next word of the current line; `None` at its end.
+    /// Reads the next word of the current line; `None` at the end of this line.
     pub fn next_in_line(&mut self) -> Option<Word<'a>> {
         self.skip_blanks(false);
         self.here()

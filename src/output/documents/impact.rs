@@ -94,7 +94,7 @@ fn values(study: &ImpactStudy) -> Block {
 }
 
 /// Sentence that a softer spring takes fewer time steps but overlaps more deeply. It names the variant with the deepest
-/// overlap.
+/// overlap, and is empty if there is no overlap.
 fn softness(study: &ImpactStudy) -> Block {
     let share =
         |bounce: &Bounce| Some(bounce.values.maximum_overlap.filter(|overlap| *overlap > 0.0)? / study.diameter);

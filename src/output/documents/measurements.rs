@@ -89,7 +89,7 @@ fn names(outcomes: &[Outcome]) -> impl Iterator<Item = &'static str> {
     names.into_iter()
 }
 
-/// True if the measurement with the name `name` gives curves in some variant, and not only single numbers.
+/// True if the measurement with the name `name` gives curves in at least one variant, and not only single numbers.
 fn has_curves(outcomes: &[Outcome], name: &str) -> bool {
     all(outcomes).any(|(_, observed)| observed.name == name && !observed.curves.is_empty())
 }

@@ -24,7 +24,7 @@ fn mean_speed(flow: &FlowAverages) -> Option<f64> {
     (flow.totals.count > 0).then(|| flow.totals.speed / flow.totals.count as f64)
 }
 
-/// Table of the flows through inlets and outlets; empty if no variant has any.
+/// Table of the flows through inlets and outlets; empty if no variant has inlets or outlets.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if flows(outcomes).next().is_none() {
         return Vec::new();

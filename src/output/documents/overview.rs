@@ -23,7 +23,8 @@ pub fn blocks(study: &Study, figures: &[Figure]) -> Vec<Block> {
 }
 
 /// Table of answers with one column per variant and one row per quantity. The head of each column has the settings of
-/// its variant. The first row contains the answers for all quantities together.
+/// its variant. The first row contains the answers for all quantities together. With more than four columns of
+/// variants, rows and columns are exchanged.
 fn matrix(study: &Study) -> Matrix {
     let judged = |name: &str| study.comparisons.iter().find(|verdict| verdict.variant == name);
     let heads = study.outcomes.iter().enumerate().map(|(place, outcome)| {
@@ -78,8 +79,8 @@ fn judged(verdict: &Verdict) -> &[Judged] {
     verdict.comparison.as_ref().map_or(&[], |comparison| &comparison.judged)
 }
 
-/// Symbols of the numbers that some variant measures and compares because the case has a table `[observe]`, in order of
-/// first appearance.
+/// Symbols of the numbers that at least one variant measures and compares because the case has a table `[observe]`, in
+/// order of first appearance.
 fn observed_numbers<'a>(verdicts: &[&'a Verdict]) -> Vec<&'a str> {
     let mut names: Vec<&str> = Vec::new();
     for one in verdicts.iter().flat_map(|verdict| &verdict.observed) {

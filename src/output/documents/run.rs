@@ -148,7 +148,8 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
 }
 
 /// Parts of the page with the figures whose names are in `names`, or begin with such a name and a hyphen. Consecutive
-/// figures are placed next to each other.
+/// figures are placed next to each other. The figure of the differences in per cent is left out, because it is at the
+/// top of the page.
 fn pictures(figures: &[Figure], names: &[&str]) -> Vec<Block> {
     let is = |figure: &Figure, name: &str| {
         figure.name.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
@@ -175,7 +176,7 @@ pub fn distinct(texts: impl Iterator<Item = String>) -> String {
     seen.join(", ")
 }
 
-/// Table with one row per variant. The first cell of a row is the name of the variant.
+/// Table with one row per variant. The first cell of a row is the name of the variant; `cells` returns the other cells.
 pub(super) fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -> TextRow) -> Block {
     let row = |outcome: &Outcome| {
         let (marked, rest) = cells(outcome);
@@ -286,7 +287,7 @@ fn momentum(outcomes: &[Outcome]) -> Vec<Block> {
 }
 
 /// Mean forces on all particles along the stream for `summary.json`. The momentum per time through inlets and outlets
-/// is an entry only in scenes that have any.
+/// is an entry only in scenes with inlets or outlets.
 fn momentum_json(outcome: &Outcome) -> Value {
     let balance = &outcome.balance;
     let mut forces = json!({

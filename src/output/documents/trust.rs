@@ -28,7 +28,7 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
         HalvedStep::Verified(_) => None,
         HalvedStep::Unknown(why) => Some(why),
     });
-    // each reason is written only once, because usually all variants have the same reason
+    // each reason is written only once, because several variants may have the same reason
     let mut told: Vec<&String> = Vec::new();
     for why in unknown {
         if !told.contains(&why) {

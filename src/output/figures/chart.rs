@@ -23,7 +23,8 @@ pub(super) const WIDTH: f64 = 640.0;
 pub(super) const HEIGHT: f64 = 400.0;
 /// [px] height of one panel if there are several.
 const PANEL_HEIGHT: f64 = 250.0;
-/// Number of decades that a logarithmic axis extends below its largest value. Labels of more decades would not fit.
+/// Number of decades that a logarithmic vertical axis extends below the largest value, unless the panel gives another
+/// lower end. Labels of more decades would not fit.
 const DECADES: i32 = 6;
 /// Colour of curves that serve only as a reference.
 pub(super) const GREY: &str = "#777777";
@@ -72,7 +73,7 @@ impl SeriesStyle {
     }
 }
 
-/// SVG picture of one panel with its legend below.
+/// SVG picture of one panel, with a legend below the panel if there are several entries.
 pub(super) fn single(panel: &Panel) -> String {
     let legend = legend(std::slice::from_ref(panel));
     let (plots, layout) = draw(panel);
@@ -86,7 +87,7 @@ pub(super) fn with_legend(layout: Layout, legend: Vec<LegendEntry>) -> Layout {
     layout.with_legend_position(LegendPosition::OutsideBottomColumns)
 }
 
-/// SVG picture of several panels in rows of two, with one legend below all panels.
+/// SVG picture of several panels in rows of two, with one legend below all panels if there are several entries.
 pub(super) fn grid(panels: &[Panel]) -> String {
     if panels.is_empty() {
         return single(&Panel::default());

@@ -9,8 +9,9 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::Figure;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
-/// Points (y⁺, U⁺) of a direct numerical simulation of channel flow at Re_τ = 1000.512, in wall units. Its friction
-/// velocity u_τ is 0.0500256 of the bulk velocity. From Lee and Moser 2015, J. Fluid Mech. 774, 395-415.
+/// Points (y⁺, U⁺) of a direct numerical simulation of channel flow at Re_τ = 1000.512, in wall units: y⁺ = y u_τ/ν and
+/// U⁺ = U/u_τ. Its friction velocity u_τ is 0.0500256 of the bulk velocity. From Lee and Moser 2015, J. Fluid Mech.
+/// 774, 395-415.
 pub const CHANNEL_DNS: [(f64, f64); 9] = [
     (5.0, 4.829),
     (10.0, 8.434),

@@ -39,7 +39,8 @@ pub fn symbol(quantity: &str) -> String {
 }
 
 /// [%] main difference in a quantity (the one that a report names first), with its standard error. It is given in per
-/// cent of the scale, the value by which differences of this quantity are divided. `None` if there is none.
+/// cent of the scale, the value by which differences of this quantity are divided. `None` if the quantity has no main
+/// difference.
 pub fn in_per_cent(one: &Judged) -> Option<Estimate> {
     let found = one.tested.headline()?;
     Some(Estimate::new(found.difference, found.error).times(100.0 / one.tested.scale))
@@ -190,8 +191,8 @@ fn arrow(x: f64, y: f64, side: f64) -> String {
     format!("M{x} {y} l{} -5 v10 z", -9.0 * side)
 }
 
-/// Figure of the cost of each variant: wall-clock time per simulated time, with one bar per variant. `None` for a
-/// single variant, or if all runs were too short to compare their times.
+/// Figure of the cost of each variant: wall-clock time per simulated time, with one bar per variant. `None` without a
+/// comparison, or if no finished run was long enough to compare its time.
 pub fn cost(study: &Study) -> Option<Figure> {
     let outcomes = study.outcomes;
     let told = outcomes.iter().filter(|o| o.failure.is_none() && o.timing.wall_seconds >= TELLING);

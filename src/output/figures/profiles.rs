@@ -51,8 +51,9 @@ pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     Some(draw(&groups.iter().map(panel).collect::<Vec<_>>()))
 }
 
-/// [-] fraction of the slice number `k` of `slices` slices along y that centres of spheres can reach. Centres stay a
-/// radius away from walls. `None` if this fraction is zero. For several species or sizes of spheres the result is 1.
+/// [-] fraction of the slice with the index `k`, of `slices` slices along y, that centres of spheres can reach. Centres
+/// stay a radius away from walls. `None` if this fraction is zero. For several species or sizes of spheres the result
+/// is 1.
 fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     let scene = &outcome.experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return Some(1.0) };
@@ -187,7 +188,7 @@ fn lines(group: &PanelGroup, height: &Height, column: SliceColumn) -> Vec<PanelS
 }
 
 fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<PanelSeries> {
-    // without standard errors, the difference in standard errors is undefined
+    // without standard errors, the difference cannot be given in standard errors
     let score = |(row, base): (&SliceRow, &SliceRow)| {
         let score = row.of(column)?.less(base.of(column)?).in_errors()?;
         Some(SeriesPoint::at(row.y * height.prefix.factor, score))

@@ -7,8 +7,8 @@ use crate::case::SweepAxis;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::sweep::{OBSERVABLES, SweepObservable, SweepRow, SweepStudy};
 
-/// Figures of all observables that are known at some point of the sweep. The first varied key is on the horizontal
-/// axis. There is a curve for each variant and each combination of values of the other keys.
+/// Figures of all observables that are known at one or more points of the sweep. The first varied key is on the
+/// horizontal axis. There is a curve for each variant and each combination of values of the other keys.
 pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
     let Some(axis) = study.axes.first() else { return Vec::new() };
     let known = |observable: &&SweepObservable| study.rows.iter().any(|row| row.measured(observable.key).is_some());

@@ -1,4 +1,4 @@
-//! Figures of the validation suite: the largest deviation in each row, and the curves of some rows.
+//! Figures of the validation suite: the largest deviation in each row, and the pictures of single rows.
 
 use super::chart;
 use super::limits::x_range;

@@ -165,8 +165,9 @@ fn stage(outcome: &Outcome, frames: &Frames) -> RecordingFrame {
     }
 }
 
-/// View that shows a scene best, as the names of the axes to the right and upwards. The upward axis is opposite to
-/// gravity, or perpendicular to the walls of a channel.
+/// View that shows a scene best, as the names of the axes to the right and upwards. The upward axis is z if there is no
+/// gas and gravity has a component along z but none along y; otherwise it is y. More than 50 spheres without walls have
+/// the view `3d`, in three dimensions.
 fn view(scene: &Scene, shown: usize) -> &'static str {
     let size = scene.domain.size;
     let falls_along_z = scene.gravity.z != 0.0 && scene.gravity.y == 0.0 && scene.fluid.is_none();

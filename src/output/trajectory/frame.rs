@@ -198,7 +198,7 @@ impl TrajectoryFrame {
             for number in position.iter().chain(&velocity).chain([&cast.radius[rank]]) {
                 let _ = write!(text, "{number:?} ");
             }
-            // types in the file begin with 1
+            // numbers of types (species) in the file begin with 1
             let kind = u32::from(cast.species[rank]) + 1;
             let id = cast.id[rank];
             let _ = write!(text, "{id} {kind} {:?} {} {}", own.overlap, own.contacts, own.solver);

@@ -2,7 +2,7 @@
 //! ParaView (`.vtp` with a `.pvd` index), and extended XYZ for OVITO and ASE.
 //!
 //! An observer copies the required data of the simulation, and sends the copy to a thread that sorts and writes it.
-//! Each file is written either completely or not at all. At any time the memory holds at most two frames. If the disk
+//! Each file is written either completely or not at all. At any time the memory holds at most three frames. If the disk
 //! is slower than the run, the run waits.
 //!
 //! If several processes share a run, each process writes its particles as one piece of the frame (file of one instant),
@@ -186,7 +186,8 @@ impl<'scope> Trajectory<'scope> {
         }
     }
 
-    /// Writes also the contacts of soft spheres for ParaView, with forces by the law `law`; no contacts with `None`.
+    /// Writes also the contacts of soft spheres for ParaView, with forces by the law `law`. With `None`, or without
+    /// files in VTK, there are no contacts.
     pub fn with_contacts(self, law: Option<ContactLaw>) -> Self {
         Self { contacts: law.filter(|_| self.asked.format.is_vtp()), ..self }
     }
@@ -364,7 +365,7 @@ impl Writer<'_> {
                     written(Some(frame));
                 }
                 WriterMessage::Pieces(time, count) => {
-                    // a frame in pieces does not need the memory for all particles
+                    // if each process writes a piece of the frame, no memory for all particles is needed
                     (cast, memory) = (None, Vec::new());
                     self.join(time, count)?;
                     written(None);
@@ -482,7 +483,7 @@ impl Writer<'_> {
             }
             for what in [Beside::Walls, Beside::Contacts] {
                 let (part, file) = (what as u32, what.path(name, number));
-                // a frame has such a file only if walls move in the box, or if contacts are asked for
+                // a frame has a file of walls only if walls move, and one of contacts only if the case requests them
                 if self.folder.path().join(TRAJECTORY).join(&file).exists() {
                     let _ = writeln!(text, "<DataSet timestep=\"{time:?}\" part=\"{part}\" file=\"{file}\"/>");
                 }

@@ -83,7 +83,7 @@ impl Trajectory<'_> {
         }
         self.begin(simulation);
         self.progress.wait((number - self.earlier) as u64);
-        // a frame in pieces does not need the memory for all particles
+        // if each process writes a piece of the frame, no memory for all particles is needed
         while self.used.try_recv().is_ok() {}
         self.has_cast = false;
         let ready = self.folder.make_room().and_then(|()| self.folder.remove(&[joined(&self.name, number)]));

@@ -21,7 +21,7 @@ pub struct Bodies {
     /// Elasticity of each body; `None` for a body with the elasticity of the contact law.
     #[serde(skip)]
     pub elasticity: [Option<Elasticity>; 2],
-    /// [-] ratio of the stiffness between these two bodies to that of the contact law, from
+    /// [-] ratio of the stiffness between these two bodies to that of the contact law, as given by
     /// [`Meeting`](crate::scene::Meeting).
     #[serde(skip)]
     pub stiffness_ratio: f64,
@@ -68,8 +68,8 @@ impl Bodies {
         }
     }
 
-    /// Properties of two spheres of the species `one` and `other` with the common surface `surface`. The stiffness is
-    /// that of the contact law.
+    /// Properties of two spheres of the species `one` and `other` with the surface properties `surface` (restitution
+    /// and friction) of their contact. The stiffness is that of the contact law.
     pub fn of(one: &Species, other: &Species, surface: &Surface) -> Self {
         Self {
             effective_mass: 1.0 / (1.0 / one.mass() + 1.0 / other.mass()),
@@ -99,7 +99,8 @@ impl Bodies {
         Self { stiffness_ratio: meeting.stiffness_of(bodies.effective_mass), ..bodies }
     }
 
-    /// Properties of two spheres of one species with the surface `surface`. The stiffness is that of the contact law.
+    /// Properties of two spheres of one species with the surface properties `surface` of their contact. The stiffness
+    /// is that of the contact law.
     pub fn alike(species: &Species, surface: &Surface) -> Self {
         Self {
             effective_mass: 0.5 * species.mass(),
@@ -111,8 +112,8 @@ impl Bodies {
         }
     }
 
-    /// Properties of a sphere of a species, and of a wall with the surface `surface` and the given elasticity. With
-    /// `None` the wall has the elasticity of the contact law.
+    /// Properties of a sphere of a species, and of a wall with the given elasticity. `surface` holds the surface
+    /// properties of their contact. With the elasticity `None` the wall has the elasticity of the contact law.
     pub fn of_wall(species: &Species, surface: &Surface, elasticity: Option<Elasticity>) -> Self {
         Self {
             effective_mass: species.mass(),

@@ -8,8 +8,8 @@ use std::fmt;
 /// Contract (condition on a contact law) that the law violates between two given bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum BrokenContract {
-    /// The elastic force at touch is not zero. A contact detected a part of a step after touch would then gain or lose
-    /// energy.
+    /// The elastic force at touch is not zero. A contact that is first detected a fraction of a time step after touch
+    /// would then gain or lose energy.
     ForceAtTouch {
         /// [-] elastic force at touch over the largest elastic force in an impact.
         share: f64,
@@ -57,9 +57,9 @@ impl fmt::Display for BrokenContract {
     }
 }
 
-/// [-] largest elastic force at touch over the largest force, and largest relative error of the stored energy, that a
-/// law may have. This value is the error of a quadrature with `POINTS` intervals for a force whose slope is infinite at
-/// touch.
+/// [-] largest value that two quantities of a law may have: its elastic force at touch over its largest elastic force,
+/// and the relative error of its stored energy. This value is the error of a quadrature with `POINTS` intervals for a
+/// force whose slope is infinite at touch.
 const TOLERANCE: f64 = 1e-3;
 /// Number of intervals of the quadrature that integrates the elastic force over the overlap.
 const POINTS: u32 = 1000;

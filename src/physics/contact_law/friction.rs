@@ -14,7 +14,8 @@ pub fn coulomb_limit(friction: f64, normal_force: f64, slip: f64, effective_mass
 /// Slip of two touching bodies, and the rate at which forces other than friction change it.
 #[derive(Clone, Copy, Debug)]
 pub struct Slip {
-    /// [m/s] velocity of particle i relative to the surface of the other body, along the surface.
+    /// [m/s] velocity of particle i (the first of the two bodies) relative to the surface of the other body, along the
+    /// surface.
     pub velocity: Vector3<f64>,
     /// [m/s²] relative acceleration of the two surfaces, along the surface, by all forces other than friction.
     pub acceleration: Vector3<f64>,
@@ -32,7 +33,8 @@ pub struct Friction {
 
 /// Friction force against the slip that the bodies would have, without friction, at the end of a step of `time_step`
 /// [s]. A force against the present slip would act one step late, and bodies would creep down a slope. `to_middle` [s]
-/// is the time from now to the instant for which the power is computed. `None` if there is no friction force.
+/// is the time from now to the instant for which the power is computed. The other arguments are those of
+/// [`coulomb_limit`]. `None` if there is no friction force.
 #[inline(always)]
 pub fn coulomb(
     friction: f64,

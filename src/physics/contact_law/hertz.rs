@@ -11,12 +11,12 @@ use std::f64::consts::PI;
 /// The elastic constant is k_H = 4/3 E sqrt(R), with the effective radius R and the effective modulus E: 1/E =
 /// (1-ν_p²)/E_p + (1-ν_q²)/E_q. E_p and E_q are Young's moduli of the two bodies, ν_p and ν_q their Poisson's ratios.
 ///
-/// In the plane of w = δ^(5/4) and the rate of δ, an impact follows the path of a linear spring and dashpot. With the
-/// effective mass M, the square of its frequency is ω_0² = 4 k_H/(5 M), and its damping ratio is c/sqrt(5 M k_H)
-/// (Antypov and Elliott 2011, EPL 94, 50004). The constant c = ζ sqrt(5 M k_H), with the damping ratio ζ of a linear
-/// dashpot, therefore gives exactly the required restitution at every speed, if the contact ends at δ = 0. The force is
-/// slightly attractive at the end. The time of the impact follows from dt = 4/5 w^(-1/5) ds, where s is the time of the
-/// oscillator.
+/// In the plane of w = δ^(5/4) and the rate of δ, an impact follows the path of a linear oscillator with spring and
+/// dashpot. With the effective mass M, the square of the oscillator's undamped frequency is ω_0² = 4 k_H/(5 M), and its
+/// damping ratio is c/sqrt(5 M k_H) (Antypov and Elliott 2011, EPL 94, 50004). The constant c = ζ sqrt(5 M k_H), with
+/// the damping ratio ζ of a linear dashpot, therefore gives exactly the required restitution at every speed, if the
+/// contact ends at δ = 0. The force is slightly attractive at the end. The time of the impact follows from dt = 4/5
+/// w^(-1/5) ds, where s is the time of the oscillator.
 ///
 /// The constants between two bodies are k_H [N/m^1.5] and c [N s/m^1.25]. Walls count as flat. The law is valid if δ is
 /// small compared with the radius, and the impact is slow compared with the speed of sound.
@@ -26,8 +26,8 @@ pub struct Hertz {
     pub elasticity: Elasticity,
 }
 
-/// Number of quadrature points for the duration of an impact. The relative error is proportional to this number to the
-/// power -2.4; it is 1e-8 for this number.
+/// Number of quadrature points for the duration of an impact. The relative error of the duration is proportional to
+/// N^(-2.4) for N points. It is 1e-8 for the number chosen here.
 const POINTS: usize = 2000;
 
 /// [1/s] undamped frequency ω_0 of the linear oscillator in w = δ^(5/4), with respect to its time s. δ is the overlap.
@@ -118,7 +118,7 @@ impl Law for Hertz {
     }
 
     /// Returns the duration [s] of an impact, proportional to u^(-1/5) with the normal speed u. Without damping it is
-    /// 2.9433 δ_max/u, with the largest overlap δ_max (Johnson 1985, Eq. 11.24).
+    /// 2.9433 δ_max/u, with the largest overlap δ_max (Johnson 1985, Eq. 11.24). It is infinite for the restitution 0.
     fn contact_time(&self, spring: &Spring, speed: f64) -> f64 {
         if damping_ratio(spring.restitution) >= 1.0 {
             return f64::INFINITY;
@@ -190,7 +190,7 @@ mod tests {
     use super::*;
 
     fn glass(restitution: f64) -> (Hertz, Spring) {
-        // glass beads with a diameter of 2 mm; the masses are those of the spheres
+        // two glass beads with a diameter of 2 mm; the effective mass is half the mass of one bead
         let law = Hertz { elasticity: Elasticity { youngs_modulus: 70e9, poissons_ratio: 0.22 } };
         let bodies = Bodies {
             effective_mass: 5.2e-6,
@@ -203,8 +203,9 @@ mod tests {
         (law, law.between(&bodies))
     }
 
-    /// Compares with the textbook (Johnson 1985, Eqs. 11.23 and 11.24): δ_max = (15 M u²/(16 sqrt(R) E))^(2/5), T_c =
-    /// 2.87 (M²/(R E² u))^(1/5).
+    /// Compares the largest overlap δ_max and the duration T_c with the textbook (Johnson 1985, Eqs. 11.23 and 11.24):
+    /// δ_max = (15 M u²/(16 sqrt(R) E))^(2/5), T_c = 2.87 (M²/(R E² u))^(1/5). M, R and E are the effective mass,
+    /// radius and modulus, and u is the speed.
     #[test]
     fn elastic_impacts_are_those_of_the_textbook() {
         let (law, spring) = glass(1.0);

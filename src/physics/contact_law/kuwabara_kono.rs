@@ -11,8 +11,8 @@ use crate::scene::Elasticity;
 /// The restitution depends on the speed u: it is a function of the damping number β = (c/k) (k/M)^(2/5) u^(1/5), with
 /// the effective mass M. The constant c follows from the restitution of the surfaces. In a case, this restitution must
 /// be [`RestitutionBySpeed::Viscoelastic`] or 1. Then c does not depend on the speed, and impacts at every speed have
-/// the restitution of hard spheres with the same surfaces. A calling program can also give a constant restitution or
-/// another law of the speed; impacts at 1 m/s then have that restitution.
+/// the restitution of hard spheres with the same surfaces. A calling program can also give a constant restitution, or a
+/// restitution that is another function of the speed. Impacts at 1 m/s then have the restitution `Bodies::restitution`.
 ///
 /// The contact ends when δ = 0, so the force attracts a little at the end. The law is valid while δ is small compared
 /// with the radius, and while the impact is slow compared with the speed of sound and with the relaxation of the

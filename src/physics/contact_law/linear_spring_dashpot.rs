@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 /// overlap, M the effective mass, and u_n = (u_p - u_q)·n the normal velocity.
 ///
 /// This is Eq. 3 of the paper that docs/paper.md describes, with the sign of the spring corrected. The contact ends
-/// when δ = 0, so the force is slightly attractive at the end, and the restitution is exactly e_n. The law is valid if
-/// δ is small compared with the radius.
+/// when δ = 0, so the force is slightly attractive at the end, and the restitution is exactly the required one. The law
+/// is valid if δ is small compared with the radius.
 ///
 /// The constants between two bodies are the stiffness k_n [N/m] and the dashpot 2 γ_n M [N s/m]. Here γ_n = ζ ω_0, with
 /// the damping ratio ζ and the undamped angular frequency ω_0 = sqrt(k_n/M) (the paper, below Eq. 6).
@@ -139,8 +139,8 @@ mod tests {
         }
     }
 
-    /// Checks contact times of polystyrene spheres of 406 µm at 3000 N/m, for a pair and a wall, against independently
-    /// computed values.
+    /// Checks contact times of polystyrene spheres with a diameter of 406 µm and a stiffness of 3000 N/m, for a pair
+    /// and a wall, against independently computed values.
     #[test]
     fn paper_sized_contact_times() {
         let mass = 3.6372577e-8;

@@ -32,10 +32,10 @@ use std::f64::consts::PI;
 
 /// Contact law for the normal force. It must define four functions, from which all others can be computed.
 ///
-/// A law must satisfy four contracts, which are checked when a simulation is made ([`ContactLaw::check`]). The elastic
-/// force is zero at touch. The stored energy at an overlap is the work of the elastic force from touch to this overlap.
-/// For every impact there is an overlap at which the stored energy equals the kinetic energy, so that the motion stops.
-/// The viscous force never accelerates the motion.
+/// A law must satisfy four contracts (conditions). For a law of the calling program they are checked when a simulation
+/// is made ([`ContactLaw::check`]). The elastic force is zero at touch. The stored energy at an overlap is the work of
+/// the elastic force from touch to this overlap. For every impact there is an overlap at which the stored energy equals
+/// the kinetic energy, so that the motion stops. The viscous force never accelerates the motion.
 ///
 /// ```
 /// # extern crate diptych_physics as diptych;
@@ -172,7 +172,7 @@ pub struct Parameter {
     pub name: &'static str,
     /// Symbol of the parameter in formulas.
     pub symbol: &'static str,
-    /// Value of the parameter in SI units, those of `unit`.
+    /// Value of the parameter, in the SI unit `unit`.
     pub value: f64,
     /// SI unit of the value.
     pub unit: &'static str,
@@ -206,7 +206,7 @@ impl std::fmt::Display for Parameter {
 /// let glass = Species::new("glass", 1e-3, 2500.0);
 /// let law = ContactLaw::linear(1000.0); // N/m
 /// let spring = law.between(&Bodies::alike(&glass, &Surface::new(1.0, 0.0)));
-/// // without damping a contact of two spheres lasts π sqrt(M/k_n), M half the mass of one
+/// // without damping a contact of two spheres lasts π sqrt(M/k_n), with M half the mass of one sphere
 /// let lasts = std::f64::consts::PI * (0.5 * glass.mass() / 1000.0).sqrt(); // s
 /// assert!((law.contact_time(&spring, 0.1) / lasts - 1.0).abs() < 1e-12);
 /// ```

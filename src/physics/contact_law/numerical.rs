@@ -3,10 +3,10 @@
 use super::{Law, Spring};
 
 /// Number of time steps in the time that an approach at constant speed takes from touch to the largest overlap. The
-/// fourth-order error is below 1e-10.
+/// relative error of the fourth-order method is below 1e-10.
 const STEPS: f64 = 1000.0;
-/// Largest duration of an impact, over the time that an approach at constant speed takes to the largest overlap. Longer
-/// impacts count as endless.
+/// [-] largest duration of an impact, divided by the time that an approach at constant speed takes from touch to the
+/// largest overlap. Longer impacts count as endless.
 const ENDLESS: f64 = 100.0;
 /// Number of overlaps at which the slope of the elastic force, or the stored energy, is evaluated.
 const SAMPLES: u32 = 64;
@@ -180,8 +180,8 @@ pub fn well_depth<L: Law + ?Sized>(law: &L, spring: &Spring) -> f64 {
     -within.fold(0.0, f64::min)
 }
 
-/// [m] overlap of a contact at rest with the normal force `force` [N], by bisection. It is infinite if the elastic
-/// force is below `force` at all overlaps.
+/// [m] overlap of a contact at rest with the normal force `force` [N], by bisection. It is 0 if `force` is not
+/// positive, and infinite if the elastic force is below `force` at all overlaps.
 pub fn static_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, force: f64) -> f64 {
     if force <= 0.0 {
         return 0.0;

@@ -57,7 +57,7 @@ mod tests {
         assert!((after - Vector3::new(1.0, 3.0, -2.0)).norm() < 1e-15, "{after}");
     }
 
-    /// Around a point mass all three frequencies are equal.
+    /// Around a point mass, the angular velocity of the orbit and the frequencies of both oscillations are equal.
     #[test]
     fn orbits_about_a_point_mass_are_closed() {
         let orbit = Orbit { rate: 2.0, vertical_frequency: 2.0 };

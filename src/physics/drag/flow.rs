@@ -13,7 +13,7 @@ const SEQUENCES: usize = 6;
 /// documented accuracy of 1e-12, because the errors of several steps add up.
 const TOLERANCE: f64 = 1e-13;
 /// [-] shortest step, divided by the time integrated so far. Rounding would make the end of a shorter step equal to its
-/// start. Where the response time jumps, steps become this short. The error is then the jump times this ratio.
+/// start. Where the response time jumps, steps become this short. The error is then the jump times this constant.
 const SHORTEST: f64 = 8.0 * f64::EPSILON;
 
 /// [-] solution L = ln(w/w_0) of dL/dt = `rate`(L) after `duration` [s], with the slip speed w, L = 0 at the start and

@@ -61,8 +61,8 @@ struct SpeciesTable {
 }
 
 impl Kick {
-    /// Makes a drag kick over `duration` [s] without a table, which evaluates the law itself. It is used for few
-    /// particles, and as a reference.
+    /// Makes a drag kick over `duration` [s] without a table, which evaluates the law itself. Such a kick is used for
+    /// few particles, and as a reference.
     pub fn exact(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let species = spheres.iter().map(|&sphere| SpeciesTable { sphere, pieces: Vec::new() }).collect();
         Self { law: law.clone(), duration, species, spread: Vec::new() }
@@ -82,8 +82,8 @@ impl Kick {
     }
 
     /// Makes a drag kick over `duration` [s] with a table of the law, accurate to 5e-10 of the change. A law that
-    /// depends on the volume fraction of the particles is not tabulated. The table costs as much time as about 10⁴
-    /// evaluations of the law.
+    /// depends on the volume fraction of the particles is not tabulated. The table costs as much computing time as
+    /// about 10⁴ evaluations of the law.
     pub fn tabulated(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let mut kick = Self::exact(law, spheres, duration);
         if kick.cells().is_some() {
@@ -117,8 +117,8 @@ impl Kick {
         self.duration
     }
 
-    /// [-] change of the slip velocity in a kick, divided by the slip velocity before; in [-1, 0]. `square` [m²/s²] is
-    /// the square of the slip speed before the kick.
+    /// [-] change of the slip velocity in a kick, divided by the slip velocity before; in [-1, 0]. `species` is the
+    /// index of the sphere's species, and `square` [m²/s²] the square of the slip speed before the kick.
     #[inline]
     pub fn change(&self, species: u16, square: f64) -> f64 {
         let species = &self.species[species as usize];
@@ -135,8 +135,8 @@ impl Kick {
     }
 
     /// [-] change of the slip velocity in a kick, divided by the slip velocity before, for a sphere of `radius` [m].
-    /// `square` [m²/s²] is the square of the slip speed. For species of one size the result equals
-    /// [`change`](Self::change).
+    /// `species` is the index of its species, and `square` [m²/s²] the square of the slip speed before. For species of
+    /// one size the result equals [`change`](Self::change).
     #[inline]
     pub fn change_of(&self, species: u16, radius: f64, square: f64) -> f64 {
         match self.spread.get(usize::from(species)) {

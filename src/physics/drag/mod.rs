@@ -1,10 +1,11 @@
 //! Drag: force of the gas on a sphere along the slip velocity.
 //!
-//! A kick changes the velocities by the drag of a given time, without motion. In a kick the gas velocity is taken as
-//! constant, and drag alone changes the slip velocity. The slip velocity then keeps its direction. Its magnitude w
-//! [m/s] obeys the scalar equation dw/dt = -w/τ(w), with the response time τ [s]. The exact solution is stable for
-//! kicks of any length, and two successive kicks of half the time equal one kick of the whole time. A law may have the
-//! solution in closed form; otherwise the equation is integrated numerically to 1e-12.
+//! A kick changes the velocities by the drag that acts during a given time, while the positions stay constant. In a
+//! kick the gas velocity is taken as constant, and drag alone changes the slip velocity (the velocity relative to the
+//! gas). The slip velocity then keeps its direction. Its magnitude w [m/s] obeys the scalar equation dw/dt = -w/τ(w),
+//! with the response time τ [s]. The exact solution is stable for kicks of any length, and two successive kicks of half
+//! the time equal one kick of the whole time. A law may have the solution in closed form; otherwise the equation is
+//! integrated numerically to 1e-12.
 //!
 //! To add a law, write one file with `impl DragLaw`. Then add a `mod` line, a variant of [`Drag`] and an arm of `law`.
 
@@ -26,8 +27,8 @@ use std::sync::Arc;
 /// Properties of a sphere in a gas on which drag depends.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Sphere {
-    /// [s] Stokes response time τ_S = ρ_p d² / (18 ρ_f ν), with the diameter d, the densities ρ_p of the particle and
-    /// ρ_f of the gas, and the kinematic viscosity ν of the gas.
+    /// [s] Stokes response time τ_S = ρ_p d² / (18 ρ_f ν), with the diameter d. ρ_p is the density of the particle (its
+    /// added mass included), and ρ_f and ν are density and kinematic viscosity of the gas.
     pub stokes_time: f64,
     /// [s/m] Reynolds number divided by slip speed: d/ν.
     pub reynolds_per_speed: f64,
@@ -112,9 +113,9 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// [-] natural logarithm of a ratio, at most 0: the slip speed after `duration` [s] of drag alone over the slip
-    /// speed w = `slip` >= 0 [m/s] before. The gas velocity is constant. The logarithm is -∫dt/τ, from the exact
-    /// solution of dw/dt = -w/τ(w).
+    /// [-] natural logarithm of the slip speed after `duration` [s] of drag alone over the slip speed w = `slip` >= 0
+    /// [m/s] before; at most 0. The gas velocity is constant. The logarithm is -∫dt/τ, from the exact solution of
+    /// dw/dt = -w/τ(w).
     ///
     /// A kick needs the ratio minus 1, which is more precise from the logarithm than from the ratio. A law with a
     /// closed form overrides this method. By default the equation is integrated to a relative error of 1e-12.

@@ -24,7 +24,7 @@ const MOST_STEPS: f64 = 10.0;
 pub enum SuspensionLaw {
     /// Wen and Yu 1966: from experiments on fluidised beds.
     WenYu,
-    /// Gidaspow 1994: Ergun's law of packed beds for ε < 0.8, and that of Wen and Yu otherwise.
+    /// Gidaspow 1994: Ergun's law of packed beds for ε < 0.8, and the law of Wen and Yu otherwise.
     Gidaspow,
     /// Beetstra, van der Hoef and Kuipers 2007: from lattice-Boltzmann simulations.
     Beetstra,

@@ -16,7 +16,7 @@ pub struct WallMotion {
     pub carried: Vector3<f64>,
     /// [m/s²] rate at which `velocity` changes at a fixed point of space; zero for a steady rotation.
     pub acceleration: Vector3<f64>,
-    /// [m/s²] centripetal acceleration of the shape at the contact point, if the shape turns.
+    /// [m/s²] centripetal acceleration of the shape at the contact point; zero if the shape does not turn.
     pub centripetal: Vector3<f64>,
 }
 
@@ -46,7 +46,7 @@ impl WallMotion {
     }
 
     /// [W] power that the wall gives to the particle. `force` [N] and `couple` [N m] are the force and the torque of
-    /// the wall on the particle.
+    /// the wall on the particle. `couple` is `None` if there is no torque.
     #[inline(always)]
     pub fn power(&self, force: &Vector3<f64>, couple: Option<&Vector3<f64>>) -> f64 {
         force.dot(&self.velocity) + couple.map_or(0.0, |couple| couple.dot(&self.spin))

@@ -87,8 +87,9 @@ pub trait Solver: Send {
     /// consists of the contacts of particles that overlap at the start. The default makes no state.
     fn begin(&mut self, _work: &mut Work<Lasting<Self>>, _window: Window) {}
 
-    /// Largest cost at which islands (groups of particles that may meet) are used in this time window, per particle and
-    /// simulated time [ns/s]. With `None` islands are not tried. With infinity islands are used whenever possible.
+    /// Largest cost (computing time) at which islands (groups of particles that may meet) are used in this time window,
+    /// per particle and simulated time [ns/s]. With `None` islands are not tried. With infinity islands are used
+    /// whenever possible.
     fn fallback_cost(
         &mut self,
         population: &PopulationSummary,
@@ -135,10 +136,10 @@ pub trait Solver: Send {
     /// `None` if islands did; the energy is then computed from the carried state.
     fn elastic_energy(&self) -> Option<f64>;
 
-    /// Sets the clock that measures the time of the classical algorithm (all particles at once) from now on.
+    /// Sets the clock that measures the computing time of the classical algorithm (all particles at once) from now on.
     fn use_clock(&mut self, clock: Clock);
 
-    /// Returns `spent` plus the time of the classical algorithm (all particles at once) so far.
+    /// Returns `spent` plus the computing time of the classical algorithm (all particles at once) so far.
     fn spent(&self, spent: EngineTimes) -> EngineTimes;
 
     /// Returns the state that the solver stores from one time window to the next, except carried contacts or

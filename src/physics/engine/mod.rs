@@ -62,7 +62,8 @@ pub trait Engine: Send {
     /// and impacts act. Impacts, energies and impulses are added to `record`.
     ///
     /// # Errors
-    /// A [`Failure`] with numbers. The store then contains the state at the time of the failure, [`Failure::time`].
+    /// A [`Failure`], with the numbers that describe it. The store then contains the state at the time of the failure,
+    /// [`Failure::time`].
     fn advance(
         &mut self,
         particles: &mut Particles,
@@ -76,7 +77,7 @@ pub trait Engine: Send {
     fn forget(&mut self) {}
 
     /// Returns the work done so far: counts, which are the same on every machine, and wall-clock times. Only the tasks
-    /// that engines have in common are timed. The rest of the run time is spent on contacts and collisions.
+    /// that engines have in common are timed. The rest of the computing time is spent on contacts and collisions.
     fn work_done(&self) -> (Counters, EngineTimes);
 
     /// Energy [J] that is now stored in the springs of soft contacts. The default is 0, for engines whose contacts are
@@ -90,19 +91,19 @@ pub trait Engine: Send {
         [0.0; 3]
     }
 
-    /// Calls `visit` with the pairs that are now in contact, by index in the particle store. For soft spheres, these
-    /// are the contacts that were in progress at the last check. If contacts are instantaneous, `visit` is not called,
-    /// which is the default.
+    /// Calls `visit` with each two bodies (two particles, or a particle and a wall) that are now in contact, by index.
+    /// For soft spheres, these are the contacts that were in progress at the last check. If contacts are instantaneous,
+    /// `visit` is not called, which is the default.
     fn for_each_touching(&self, _visit: &mut dyn FnMut(Couple)) {}
 
     /// Indices of the particles that were members of islands (groups solved separately) in the last time window.
-    /// `None`, the default, if the classical algorithm moved all particles.
+    /// `None`, the default, if the classical algorithm moved all particles at the end of that window.
     fn in_islands(&self) -> Option<&[u32]> {
         None
     }
 
-    /// Sets the clock with which the engine measures times, and to which it reports the simulated time within long time
-    /// windows. Without a clock the engine measures no time.
+    /// Sets the clock with which the engine measures computing times, and to which it reports the simulated time within
+    /// long time windows. Without a clock the engine measures no computing time.
     fn use_clock(&mut self, clock: Clock);
 
     /// State of the engine between windows. An engine with the same settings continues from this state with bitwise
@@ -161,9 +162,9 @@ pub struct Counters {
     /// steps of crowds (large islands) are included too. Local stepping, which otherwise moves each island separately,
     /// uses such steps if too many particles touch.
     pub uniform_steps: u64,
-    /// Number of pairs, and particles with walls, whose gap or time of touch was computed. For soft uniform steps, all
-    /// candidates in the neighbour list are counted, although most of them are skipped as too far apart. For collisions
-    /// by chance, the randomly chosen pairs are counted.
+    /// Number of candidates (two particles, or a particle and a wall) whose gap or time of touch was computed. For soft
+    /// uniform steps, all candidates in the neighbour list are counted, also those that are skipped as too far apart.
+    /// For collisions by chance, the randomly chosen pairs are counted.
     pub pair_checks: u64,
     /// Number of contact forces computed (soft and hybrid spheres).
     pub force_evaluations: u64,
@@ -212,7 +213,7 @@ pub enum Failure {
         particle: u32,
         /// The particle or wall that this particle overlaps.
         partner: Partner,
-        /// [-] depth of the overlap over the diameter, the smaller one of a pair.
+        /// [-] depth of the overlap, divided by the diameter (the smaller diameter of a pair).
         ratio: f64,
         /// [-] limit of the ratio of overlap to diameter.
         limit: f64,
@@ -288,7 +289,7 @@ pub enum Failure {
         particle: u32,
         /// The particle or wall with which `particle` collides repeatedly.
         partner: Partner,
-        /// Number of impacts of that particle within the time window.
+        /// Number of impacts of that particle since the start of the time window, or of its island within the window.
         impacts: u64,
         /// Time [s] between the last two impacts.
         interval: f64,
@@ -427,7 +428,8 @@ fn speed(particles: &Particles, index: usize) -> f64 {
 }
 
 /// Makes the failure that names the first particle, in the order of the particle store, whose position or velocity is
-/// not a finite number. If all are finite, it names the fastest particle. `time` [s] is the simulated time.
+/// not a finite number. If all positions and velocities are finite, it names the fastest particle. `time` [s] is the
+/// simulated time.
 fn not_a_number(particles: &Particles, time: f64) -> Failure {
     let bad = particles
         .position

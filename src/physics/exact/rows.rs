@@ -40,8 +40,8 @@ struct Parts<const K: usize> {
     largest: [f64; K],
 }
 
-/// Computes the partial sums of T columns, the first of which has the index `at`. T must be so small that the sums fit
-/// into the registers of a processor.
+/// Computes the entries of `parts` (partial sums, remaining bits and largest magnitudes) for T columns, the first of
+/// which has the index `at`. T must be so small that the sums fit into the registers of a processor.
 #[inline(always)]
 fn columns<const T: usize, const K: usize>(rows: &[[f64; K]], at: usize, parts: &mut Parts<K>) {
     let of = |row: &[f64; K]| -> [f64; T] { from_fn(|k| row[at + k]) };
@@ -174,8 +174,8 @@ pub fn add_rows<const K: usize>(mut sums: [&mut ExactSum; K], rows: &[[f64; K]])
     rows.chunks(BLOCK).for_each(|block| add_block(sums.each_mut().map(|sum| &mut **sum), block));
 }
 
-/// Moves at most [`BLOCK`] rows from `rows` to `few`. If two rows can represent the exact sums of all columns, these
-/// two rows are appended to `few` instead of the rows themselves.
+/// Moves all rows from `rows`, which has at most [`BLOCK`] of them, to the end of `few`. If two rows can represent the
+/// exact sums of all columns, these two rows are appended to `few` instead of the rows themselves.
 pub fn condense<const K: usize>(rows: &mut Vec<[f64; K]>, few: &mut Vec<[f64; K]>) {
     if rows.len() > 2 {
         let Parts { high, low, left, largest } = at_once(

@@ -67,7 +67,7 @@ fn sums_are_exact_whatever_the_order_and_the_way() {
     for (low, high) in [(-2, 2), (-30, 30), (-80, 10), (-1080, -1000), (-1074, 960), (900, 1005)] {
         for count in [1, 2, 3, 7, 100, 5000] {
             let mut all = numbers(count, low, high, &mut random);
-            // in half of the cases most terms cancel
+            // with a probability of one half, copies with the opposite sign cancel most terms
             if random.random::<bool>() {
                 all.extend(all.clone().iter().rev().skip(1).map(|x| -x));
             }

@@ -80,7 +80,7 @@ impl RunSettings {
 
 impl Default for SoftSettings {
     /// Settings without a contact law: velocity Verlet with 20 steps per contact, and uniform or local stepping,
-    /// whichever costs less.
+    /// whichever takes less computing time.
     fn default() -> Self {
         Self {
             law: None,

@@ -1,4 +1,4 @@
-//! Numbers of particles that are expected during a run, with those that inlets bring.
+//! Numbers of particles that are expected during a run, including those that inlets bring.
 
 use super::Experiment;
 use crate::scene::Inlet;
@@ -9,8 +9,9 @@ const PACKED: f64 = 0.64;
 
 impl Experiment {
     /// Expected largest number of particles of each species in the scene: those of the start, and those that inlets
-    /// bring. With outlets, an inlet counts with the particles that come in while one of them crosses the box at the
-    /// mean speed at the inlet. Particles from inlets fill at most the volume fraction of random close packing.
+    /// bring. With outlets, an inlet contributes at most the particles that come in while one particle crosses the
+    /// diagonal of the box, and one more. The speed of this particle is the root mean square of the speeds at the
+    /// inlet. Particles from inlets fill at most the volume fraction of random close packing.
     ///
     /// Without inlets these are the numbers at the start.
     pub fn expected_counts(&self) -> Vec<f64> {
@@ -24,7 +25,7 @@ impl Experiment {
         counts.into_iter().zip(coming).map(|(count, coming)| count as f64 + share * coming).collect()
     }
 
-    /// Expected largest number of particles of all species in the scene, with those that inlets bring.
+    /// Expected largest number of particles of all species in the scene, including those that inlets bring.
     pub fn expected_count(&self) -> f64 {
         self.expected_counts().iter().sum()
     }

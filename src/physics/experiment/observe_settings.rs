@@ -40,7 +40,7 @@ pub struct ObserveSettings {
 }
 
 impl ObserveSettings {
-    /// Names of all measurements, as in the case. Files of curves have these names.
+    /// Names of all measurements, as in the case. The files with curves of the measurements have these names.
     pub const NAMES: [&str; 10] = [
         "pair_distribution",
         "velocity_distribution",
@@ -137,7 +137,7 @@ pub struct ClustersSettings {
 /// Settings of the measurement of the free surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FreeSurfaceSettings {
-    /// Vertical axis (0: x, 1: y, 2: z), and the sign of the upward direction along it.
+    /// Vertical axis (0: x, 1: y, 2: z), and the sign of the upward direction along it (+1 or -1).
     pub up: (usize, f64),
     /// [m] edge of the columns whose heights are measured.
     pub spacing: f64,

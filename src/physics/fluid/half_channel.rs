@@ -176,7 +176,8 @@ impl HalfChannel {
     }
 
     /// Solves one equation for all cells by Thomas' algorithm. Moves `phi` towards the solution by the fraction
-    /// `relaxation` [-]. Returns the largest relative difference between the solution and the previous `phi`.
+    /// `relaxation` [-]. Returns the largest relative difference between the solution and the previous `phi`, or
+    /// not-a-number if the new `phi` is not finite.
     pub fn solve(&self, equation: &Equation, relaxation: f64, phi: &mut [f64]) -> f64 {
         let count = phi.len();
         let conductance = |face: usize| {

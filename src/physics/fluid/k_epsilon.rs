@@ -29,9 +29,9 @@ const TURBULENT: f64 = 6000.0;
 const BULK_TOLERANCE: f64 = 1e-10;
 /// [-] largest relative change of k and ε in a sweep (one update of both in all cells), below which the iteration ends.
 const SWEEP_TOLERANCE: f64 = 1e-11;
-/// Largest number of sweeps, each of which updates k and ε in all cells once. Some hundreds are usually sufficient.
+/// Largest number of sweeps, each of which updates k and ε in all cells once. Most flows need some hundreds of sweeps.
 const SWEEPS: usize = 20_000;
-/// Largest number of corrections of the friction Reynolds number. About ten are usually sufficient.
+/// Largest number of corrections of the friction Reynolds number. Most flows need about ten corrections.
 const CORRECTIONS: usize = 60;
 /// [-] exponent of Re_τ ~ Re^0.875 in Dean's correlation (1978), with which Re_τ is corrected for the required bulk
 /// velocity.
@@ -360,8 +360,9 @@ fn half_table(profile: &[(f64, f64)]) -> Result<VelocityTable, String> {
     VelocityTable::with_end_slopes(profile, [None, Some(0.0)])
 }
 
-/// Repeats sweeps over k and ε until they change the flow by less than `SWEEP_TOLERANCE`. Adds the number of sweeps to
-/// `iterations`, and returns the last relative change [-].
+/// Repeats sweeps over k and ε until a sweep changes them by less than `SWEEP_TOLERANCE`. Adds the number of sweeps to
+/// `iterations`, and returns the last relative change [-]. Returns an error if this does not happen within `SWEEPS`
+/// sweeps, or if a change is not finite.
 fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut usize) -> Result<f64, String> {
     let mut change = f64::INFINITY;
     for _ in 0..SWEEPS {

@@ -61,7 +61,7 @@ impl LiftedSphere {
     }
 
     /// [-] factor k of the acceleration k s × ω of the sphere by lift in sheared gas. Here s is the slip velocity and ω
-    /// the vorticity of the gas; `slip` [m/s] > 0 and `vorticity` [1/s] > 0 are their magnitudes.
+    /// the vorticity of the gas; `slip` [m/s] > 0 and `vorticity` [1/s] > 0 are the magnitudes of s and ω.
     fn shear(&self, slip: f64, vorticity: f64) -> f64 {
         let (re, re_shear) = (self.reynolds(slip), self.reynolds_of_turn(vorticity));
         let root = (0.5 * re_shear / re).sqrt();
@@ -76,7 +76,7 @@ impl LiftedSphere {
 
     /// [-] factor k of the acceleration k Ω × s of the sphere by its spin. Here s is the slip velocity. Ω = ω/2 - ω_p
     /// is the angular velocity of the gas relative to the sphere, with the vorticity ω of the gas and the spin ω_p.
-    /// `slip` [m/s] > 0 and `turn` [rad/s] > 0 are their magnitudes.
+    /// `slip` [m/s] > 0 and `turn` [rad/s] > 0 are the magnitudes of s and Ω.
     fn magnus(&self, slip: f64, turn: f64) -> f64 {
         let (re, re_turn) = (self.reynolds(slip), self.reynolds_of_turn(turn));
         let coefficient = 0.45 + (re_turn / re - 0.45) * (-0.05684 * re_turn.powf(0.4) * re.powf(0.3)).exp();
@@ -84,8 +84,8 @@ impl LiftedSphere {
     }
 
     /// [-] angular velocity of the gas relative to the sphere after `duration` [s] of torque alone, over its initial
-    /// magnitude `turn` [rad/s]. The torque is ρ_f/2 (d/2)⁵ C |Ω| Ω with the coefficient C, and both formulas for C
-    /// have solutions in closed form.
+    /// magnitude `turn` [rad/s]. The torque is ρ_f/2 (d/2)⁵ C |Ω| Ω with the coefficient C. The equation has a
+    /// closed-form solution for each of the two formulas for C.
     fn spin_left(&self, turn: f64, duration: f64) -> f64 {
         let re_turn = self.reynolds_of_turn(turn);
         let scale = 0.5 * self.gas_density * (0.5 * self.diameter).powi(5) / self.inertia;

@@ -44,9 +44,9 @@ pub enum HeldFlow {
 pub enum Modulation {
     /// Particles change the turbulence only through the mean velocity of the gas.
     None,
-    /// Particles damp k at the rate 2 r k St/(1 + St), and ε at 1.2 ε/k times this rate (Simonin 1996). St is τ over the
-    /// integral time of the gas velocity that particles see. The covariance of gas and particle velocities is that of
-    /// Tchen (1947), 2k/(1 + St).
+    /// Particles damp k at the rate 2 r k St/(1 + St), and ε at 1.2 ε/k times this rate (Simonin 1996). St is τ over
+    /// the integral time of the gas velocity that particles see. The covariance of gas and particle velocities is that
+    /// of Tchen (1947), 2k/(1 + St).
     Simonin,
     /// Particles produce k at the rate r s² by their mean slip s. Then ε is k^(3/2)/l with the length l from
     /// 1/l = 1/l_0 + 1/λ. Here l_0 = k^(3/2)/ε is that of the gas alone, and λ the mean distance between the surfaces
@@ -179,12 +179,12 @@ impl LoadedFlow {
         loaded
     }
 
-    /// Sets the constants of the Langevin equation that Simonin's modulation uses in place of the default ones.
+    /// Replaces the default constants of the Langevin equation, which Simonin's modulation uses.
     pub fn with_langevin(self, langevin: Langevin) -> Self {
         Self { langevin, ..self }
     }
 
-    /// Sets the volume fractions of the gas, one per cell, and starts the balance of momentum; in the first step only.
+    /// Sets the volume fractions of gas, one per cell, and starts the momentum balance; called in the first step only.
     fn begin(&mut self, gas_fraction: Vec<f64>) {
         self.gas_fraction = gas_fraction;
         self.flow_rate = self.gas_momentum();

@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 /// Profile of the streamwise gas velocity: u_z(y) in a channel, for y from 0 to its height, or u_z in a pipe.
 ///
-/// A clone shares its tables with the original. The time of an evaluation does not depend on the position or the number
-/// of points.
+/// A clone shares its tables with the original. The computing time of an evaluation does not depend on the position or
+/// the number of points.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Profile {

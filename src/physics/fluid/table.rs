@@ -1,4 +1,4 @@
-//! A monotone cubic through tabulated points, evaluated in constant time.
+//! A monotone cubic through tabulated points, evaluated in constant computing time.
 
 use serde::Serialize;
 
@@ -10,8 +10,8 @@ const BINS_PER_NODE: usize = 16;
 /// scheme is PCHIP: Fritsch and Butland 1984, slopes by the weighted harmonic mean of Brodlie. The function is constant
 /// outside the points.
 ///
-/// A uniform index over y gives the cubic piece, so that an evaluation takes the same time for every y. One evaluation
-/// is needed per particle and window (time between two exchanges of momentum with the gas).
+/// A uniform index over y gives the cubic piece, so that an evaluation takes the same computing time for every y. One
+/// evaluation is needed per particle and window (time between two exchanges of momentum with the gas).
 #[derive(Clone, Debug, Serialize)]
 pub struct VelocityTable {
     pieces: Vec<CubicPiece>,

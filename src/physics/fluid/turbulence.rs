@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// 1991, Theor. Comput. Fluid Dyn. 3, 1).
 const SHORTEST_TURNOVER: f64 = 6.0;
 
-/// Number of strips into which the cross-section of the gas is divided for means.
+/// Number of strips into which the cross-section of the gas flow is divided, to compute means over the cross-section.
 const STRIPS: usize = 2000;
 
 /// Turbulence that particles see: statistics of the gas, and the law by which the gas velocity changes along the path
@@ -26,7 +26,7 @@ pub struct Turbulence {
     pub statistics: TurbulenceStatistics,
     /// Law of the gas velocity along the path of a particle.
     pub law: EddyLaw,
-    /// Constants of the Langevin equation, which both laws use.
+    /// Constants of the Langevin equation; both laws use these constants.
     pub langevin: Langevin,
 }
 
@@ -39,9 +39,9 @@ pub enum EddyLaw {
     #[default]
     Langevin,
     /// Discrete random walk (Gosman and Ioannides 1983, J. Energy 7, 482): the fluctuation **u** [m/s], which the store
-    /// holds, is constant until the eddy ends. Eddies have random lifetimes. Their mean is the integral time along the
-    /// slip ([`Langevin::times`]). A new **u** has the standard deviation σ at the particle. This law has no drift
-    /// term, so light particles gather where the turbulence is weak.
+    /// holds, is constant until the eddy ends. Eddies have random lifetimes. The mean lifetime is the integral time
+    /// along the slip ([`Langevin::times`]). A new **u** has the standard deviation σ at the particle. This law has no
+    /// drift term, so light particles gather where the turbulence is weak.
     Eddy,
 }
 
@@ -251,7 +251,7 @@ impl AlongSlip {
 struct Relaxation {
     /// [-] share of the initial fluctuation that remains at the end, exp(-x).
     kept: f64,
-    /// [-] standard deviation of the fluctuation at the end about its mean.
+    /// [-] standard deviation of the fluctuation at the end about its expected value.
     drawn: f64,
     /// [-] factor of the sum of the two end values in the expected mean of the fluctuation over the time h, for given
     /// end values: tanh(x/2)/x.
@@ -277,8 +277,8 @@ impl Relaxation {
 }
 
 /// [-] weight of the gas velocity at the end of a kick (change of velocities by drag) in the mean gas velocity to which
-/// a particle responds. It is coth(r/2) - 2/r with r = h/τ, for a kick of length h and the response time τ. It is 0 for
-/// long response times and 1 for short ones.
+/// a particle responds. It is coth(r/2) - 2/r with r = `ratio` = h/τ, for a kick of length h and the response time τ.
+/// It is 0 for long response times and 1 for short ones.
 #[inline]
 fn lateness(ratio: f64) -> f64 {
     // first term of the series; the next term is at most 6e-12

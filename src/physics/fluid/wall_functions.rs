@@ -6,7 +6,7 @@ use super::half_channel::{Equation, HalfChannel, SweepStep, WallCondition};
 use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 use super::table::VelocityTable;
 
-/// [-] von Kármán's constant κ. It is often used together with E = 9.0 in U+ = ln(E y+)/κ, so that the constant of the
+/// [-] von Kármán's constant κ. It is used together with E = 9.0 in U+ = ln(E y+)/κ, so that the constant of the
 /// logarithmic law is B = ln(E)/κ = 5.36. `docs/theory/gas.md` lists other pairs of constants.
 pub(super) const KAPPA: f64 = 0.41;
 /// [-] constant E in U+ = ln(E y+)/κ on a smooth wall, used together with κ = 0.41.
@@ -20,8 +20,8 @@ pub(super) const LOWEST_REYNOLDS: f64 = 10_000.0;
 /// [-] intended distance y+ of the first node, in the middle of the range in which the result does not depend on this
 /// distance.
 const FIRST_NODE: f64 = 30.0;
-/// Largest number of cells. It limits the grid for Re_τ > 3600: the first node is then above `FIRST_NODE`, but within 1
-/// % of the half height h from the wall.
+/// Largest number of cells. This number limits the grid for Re_τ > 3600: the first node is then above `FIRST_NODE`, but
+/// within 1 % of the half height h from the wall.
 const MOST_CELLS: usize = 60;
 
 /// [-] weight of the newly computed k and ε in the next iterate; the previous values have the remaining weight.

@@ -28,8 +28,8 @@ pub trait Lanes: Copy {
 
     /// Returns a bit mask of the first `count` balls: a bit is set if the ball overlaps the ball `one` (centre and
     /// radius, [m]). The lowest bit belongs to the first ball. `period` [m] is the distance between images along each
-    /// axis. The distance is used only if `ACROSS` is true, which is required if balls may be on different sides of the
-    /// box.
+    /// axis. The distance is used only if `ACROSS` is true. `ACROSS` must be true if the nearest image of a ball may
+    /// lie across a periodic side.
     fn near<const ACROSS: bool>(self, one: &[Self::Wide; 4], others: Spots, count: usize, period: &[f32; 3]) -> usize;
 }
 

@@ -171,7 +171,7 @@ impl SizeLevels {
     ) {
         let edge = |reach: f64, count: usize| {
             // cells contain about one particle, if such cells are larger than required, because empty cells also cost
-            // time
+            // computing time
             let spacing = (region.volume() / count.max(1) as f64).cbrt();
             (2.0 * reach + sizes.skin).max(0.8 * spacing)
         };
@@ -243,7 +243,8 @@ impl SizeLevels {
         }
     }
 
-    /// Removes and returns the list of indices that [`order`](Self::order) gives. The grids of cells remain.
+    /// Removes and returns the list of indices that [`order`](Self::order) gives. The grids of cells remain, without
+    /// the memory that was used for sorting.
     pub fn take_order(&mut self) -> Vec<u32> {
         self.levels.iter_mut().for_each(|level| level.grid.shed());
         match self.levels.as_mut_slice() {

@@ -67,8 +67,8 @@ pub struct NearWall {
 }
 
 impl NearWall {
-    /// [m] present gap between particle and wall. If the wall is beyond the distance that is searched, the value is
-    /// smaller than the gap.
+    /// [m] present gap between particle and wall. Some shapes of walls are searched only near the particle. For such a
+    /// wall farther away, the value is positive, but smaller than the gap.
     #[inline]
     pub fn gap(&self, particles: &Particles, scene: &Scene) -> f64 {
         let index = self.particle as usize;
@@ -81,9 +81,9 @@ impl NearWall {
 /// followed by the particles with walls.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct NeighbourList {
-    /// Pairs with a gap below the skin, grouped by the first particle `i`.
+    /// Pairs whose gap was below the skin when the list was built, grouped by the first particle `i`.
     pub pairs: Vec<Pair>,
-    /// Particles and walls with a gap below the skin, sorted by wall.
+    /// Particles and walls whose gap was below the skin when the list was built, sorted by wall.
     pub walls: Vec<NearWall>,
     /// Clock that measures the time spent on building lists.
     #[serde(skip)]
@@ -104,7 +104,8 @@ pub struct NeighbourList {
 
 impl NeighbourList {
     /// [m/s] velocity of the frame relative to which the list measures how far particles move. It is the mean velocity
-    /// of the particles (in a sheared box, relative to the mean flow), without components that approach a wall.
+    /// of the particles (in a sheared box, relative to the mean flow), reduced to its component that changes no gap to
+    /// a wall.
     pub fn frame(&self) -> Vector3<f64> {
         self.frame
     }
@@ -120,11 +121,11 @@ impl NeighbourList {
     }
 
     /// [m] gap up to which an inner list should contain pairs. An inner list is a shorter list of pairs, selected from
-    /// this list. `None` if an inner list saves no time.
+    /// this list. `None` if an inner list saves no computing time.
     ///
     /// An inner list for gaps up to s contains the fraction s/skin of the pairs, and can be used `uses`·s/skin times.
-    /// In this time all pairs are tested once, and those of the inner list at every use. The cost is lowest for s =
-    /// skin/sqrt(`uses`).
+    /// During these uses all pairs are tested once, and those of the inner list at every use. The cost is lowest for
+    /// s = skin/sqrt(`uses`).
     pub fn inner_skin(&self) -> Option<f64> {
         // for fewer uses there is no gain; at most 400 are assumed, because speeds may increase
         (self.uses >= 8.0).then(|| self.skin / self.uses.min(400.0).sqrt())
@@ -166,10 +167,10 @@ impl NeighbourList {
         self.travelled += distance;
     }
 
-    /// Builds the list for the present positions. The skin (gap up to which pairs are listed) is that of lowest cost
-    /// for a list that is used every `between_uses` [s]. At the present speeds the list lasts for at least one use. The
-    /// particles are sorted into cell order. The returned list contains, for each new index, the previous index of the
-    /// particle.
+    /// Builds the list for the present positions. The skin (gap up to which pairs are listed) is that of lowest
+    /// computing cost for a list that is used once per `between_uses` [s] of simulated time. At the present speeds the
+    /// list lasts for at least one use. The particles are sorted into cell order. The returned list contains, for each
+    /// new index, the previous index of the particle.
     pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
         self.build_in(&Region::from(&scene.domain), particles, scene, between_uses)
     }
@@ -314,7 +315,7 @@ impl NeighbourList {
         self.walls.dedup_by_key(|near| index(near));
     }
 
-    /// Two bodies of the candidate (pair, or particle and wall) number `slot` of the list.
+    /// The two bodies of the candidate (pair, or particle and wall) with the number `slot` in the list.
     #[inline]
     pub fn couple(&self, slot: usize) -> Couple {
         match self.pairs.get(slot) {

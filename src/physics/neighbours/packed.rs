@@ -137,9 +137,9 @@ impl PackedBalls {
     /// Calls `visit` with the index of each ball of a row of cells, and the indices of balls that may overlap it. Each
     /// pair occurs once. The pairs of one ball may come in several consecutive calls. `row` contains the number of a
     /// level (range of sizes), and the number of a row in the grid of this level. `smaller` returns the centre and the
-    /// radius [m] with which a ball is compared with balls of levels for smaller sizes. `CROWDED` should be true if
-    /// often one or more of four tested balls overlap the ball; it does not change results. Returns the number of pairs
-    /// tested.
+    /// radius [m] with which a ball is compared with balls of levels for smaller sizes. `CROWDED` should be true if, in
+    /// most tests of four balls, at least one of them overlaps the ball. This choice changes the speed but not the
+    /// results. Returns the number of pairs tested.
     #[inline(always)]
     pub fn for_each_near<const CROWDED: bool>(
         &self,

@@ -26,8 +26,9 @@ pub struct ListSettings {
 }
 
 impl ListSettings {
-    /// Settings for the present velocities. The skin (gap up to which pairs are listed) is that of lowest cost for a
-    /// list that is used every `between_uses` [s]. At the present speeds the list lasts for at least one use.
+    /// Settings for the present velocities. The skin (gap up to which pairs are listed) is that of lowest computing
+    /// cost for a list that is used once per `between_uses` [s] of simulated time. At the present speeds the list lasts
+    /// for at least one use.
     pub fn of(particles: &Particles, scene: &Scene, between_uses: f64) -> Self {
         let relative = particles.relative_to_flow(&scene.domain);
         let frame = along_walls(scene, relative.mean_velocity());
@@ -69,8 +70,8 @@ impl ListSettings {
     }
 }
 
-/// [m] skin (gap up to which pairs are listed) of lowest cost. With a larger skin a list is built less often, but
-/// contains more pairs.
+/// [m] skin (gap up to which pairs are listed) of lowest computing cost. With a larger skin a list is built less often,
+/// but contains more pairs.
 ///
 /// There are `count` particles with the mean radius `mean_radius` [m]. `travel` [m] is the distance that particles may
 /// move relative to the frame between two uses of the list. The unit of cost is one test of a pair per particle. The

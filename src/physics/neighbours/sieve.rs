@@ -1,9 +1,8 @@
-//! Selection of items without branches (conditional jumps of the program), for tests that every candidate pair passes
-//! through.
+//! Selection of items without branches (conditional jumps of the program), for a test of every pair in a list.
 
 /// Selects items in their order, without branches. Each item is stored, but the count increases only for items to be
-/// selected, so that the next item overwrites any other. This costs less than a branch that the processor often
-/// predicts wrongly.
+/// selected, so that the next item overwrites an item that is not selected. This costs less than a branch that the
+/// processor often predicts wrongly.
 pub(super) struct Sieve<T> {
     held: [T; 64],
     count: usize,
@@ -15,8 +14,8 @@ impl<T: Copy> Sieve<T> {
         Self { held: [any; 64], count: 0 }
     }
 
-    /// Stores the item `item` in the sieve. If `wanted` is false, the next item overwrites it. A full sieve is emptied
-    /// into `picked`.
+    /// Stores the item `item` in the sieve. If `wanted` is false, the next item overwrites it. A full sieve is emptied:
+    /// its items are appended to `picked`.
     #[inline(always)]
     pub(super) fn offer(&mut self, item: T, wanted: bool, picked: &mut Vec<T>) {
         self.held[self.count] = item;

@@ -137,7 +137,7 @@ impl Fields {
 
     /// Divides the numbers of `row`, which belong to the position `place` [m], among the cells around it. Each cell
     /// gets the numbers times its share [-]. In a cell, the first number is added to the sum with the index `first`,
-    /// the others to the following sums.
+    /// the other numbers to the following sums.
     fn spread(&self, sums: &mut [[f64; SUMS]], domain: &Domain, place: &Vector3<f64>, first: usize, row: &[f64]) {
         let place = domain.wrap(place);
         let [x, y, z] = [0, 1, 2].map(|axis| self.shares(domain, axis, place[axis]));

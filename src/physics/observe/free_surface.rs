@@ -63,7 +63,7 @@ pub struct FreeSurface {
     interval: f64,
     /// [s] half of the duration of the run. From this time on, the map with the largest contrast is kept.
     half: f64,
-    /// Vertical axis (0: x, 1: y, 2: z), and the sign of the upward direction.
+    /// Vertical axis (0: x, 1: y, 2: z), and the sign of the upward direction along it (+1 or -1).
     up: (usize, f64),
     /// Horizontal axes.
     level: [usize; 2],
@@ -207,8 +207,8 @@ fn folded(place: i64, count: usize, is_periodic: bool) -> usize {
     place.min(2 * count - 1 - place) as usize
 }
 
-/// Largest number n of a shell, the waves of wavelength L/n, with the longer of the two `edges` L [m]. The shortest
-/// wave has a length of two columns.
+/// Largest number n of a shell. The shell n contains the waves of wavelengths near L/n, with the longer edge L of the
+/// two `edges` [m]. The shortest wave has a length of two columns.
 fn shells(edges: [f64; 2], columns: [usize; 2]) -> usize {
     let spacing = (edges[0] / columns[0] as f64).max(edges[1] / columns[1] as f64);
     // a part of 1e-9 is added, since the quotient of equal numbers is rounded

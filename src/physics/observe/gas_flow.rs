@@ -22,9 +22,10 @@ pub struct GasFlow {
     pub pressure_gradient: Option<Estimate>,
     /// [Pa/m] pressure drop per length of the gas without particles.
     pub pressure_gradient_alone: f64,
-    /// [m/s] flow rate of the gas with particles, divided by the area of the cross-section. `None` if it is unknown.
+    /// [m/s] flow rate of the gas with particles, divided by the area of the cross-section. `None` if its mean is not
+    /// finite.
     pub bulk_velocity: Option<Estimate>,
-    /// [m/s] friction velocity; negative if the gas flows backwards at the wall, `None` if it is unknown.
+    /// [m/s] friction velocity; negative if the gas flows backwards at the wall, `None` if its mean is not finite.
     pub friction_velocity: Option<Estimate>,
     /// Momentum balance of the gas along z over the whole run.
     pub balance: GasBalance,

@@ -63,7 +63,8 @@ pub struct ObservedNumber {
 
 impl ObservedNumber {
     /// Creates a number that is the mean of `samples`, in the unit of the quantity and in the order of time. `clock`
-    /// has the time of the first sample and the interval between samples, both in s.
+    /// has the time of the first sample and the interval between samples, both in s. `theory` is the name and the value
+    /// of a theory; `None` without a theory.
     pub fn of_series(
         quantity: ObservedQuantity,
         samples: &[f64],
@@ -102,7 +103,7 @@ pub struct Observation {
     pub curves: Vec<ObservedCurve>,
     /// Single numbers that the measurement gives.
     pub numbers: Vec<ObservedNumber>,
-    /// Contacts at the end of the run, which are written to a file of lines.
+    /// Contacts at the end of the run, which are written to a file as lines between the centres.
     pub lines: Vec<ContactLine>,
     /// Averages in the cells of a grid, which are written to a file; `None` if the measurement has no grid. If several
     /// runs are pooled, the averages are those of the first run.

@@ -121,7 +121,7 @@ pub trait Observer: Send {
 
     /// True if the observer requires velocities at the same instant as the positions. Between two samples, the drag of
     /// up to half a window (time between two exchanges with the gas) is missing in the velocities. Adding this drag
-    /// takes as long as the drag of one window.
+    /// takes as much computing time as the drag of one window.
     fn needs_velocities(&self) -> bool {
         true
     }
@@ -143,7 +143,7 @@ pub trait Observer: Send {
     }
 
     /// Particles that the observer requires at the end of the run, at the time `now` [s]. With [`Needs::Sums`],
-    /// [`see`](Self::see) is called once more before [`end`](Self::end). By default, none.
+    /// [`see`](Self::see) is called once more before [`end`](Self::end). By default, no particles.
     fn needs_at_end(&self, _now: f64) -> Needs {
         Needs::Nothing
     }

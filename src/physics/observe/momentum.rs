@@ -1,4 +1,5 @@
-//! Streamwise (z) forces on all particles together: drag, weight and wall shear, and the momentum that comes in and leaves.
+//! Streamwise (z) forces on all particles together: drag, weight and wall shear, and the momentum that particles bring
+//! in or take out.
 
 use super::{Needs, Observer, plain_data};
 use crate::schedule::Schedule;
@@ -7,13 +8,13 @@ use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
 /// Mean streamwise (z) forces on all particles together [N], positive along z, over the averaging period. A force is
-/// `None` if the period contains fewer than two samples. In a steady flow the forces, with the momentum per time through
-/// inlets and outlets, add up to zero.
+/// `None` if the period contains fewer than two samples. In a steady flow the forces, together with the momentum per
+/// time through inlets and outlets, add up to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
     /// [N] mean drag force of the gas on all particles along z.
     pub drag: Option<Estimate>,
-    /// [N] mean weight minus buoyancy of all particles, along z; negative if it acts against the flow.
+    /// [N] mean weight minus buoyancy of all particles, along z; negative if it points along -z.
     pub weight: f64,
     /// [N] mean shear force of the walls on all particles along z.
     pub wall: Option<Estimate>,
@@ -30,8 +31,8 @@ pub struct Balance {
 pub struct MomentumBooks {
     /// [s] time between two samples (instants of measurement).
     interval: f64,
-    /// [N] weight minus buoyancy of all particles, along z; `None` if it changes, since particles come and go or species
-    /// differ in buoyancy.
+    /// [N] weight minus buoyancy of all particles, along z; `None` if it changes, because particles come and go or
+    /// species differ in buoyancy.
     weight: Option<f64>,
     /// [kg m/s] momentum along z that particles have received by weight and buoyancy since the start, at every sample.
     gravity: Vec<f64>,

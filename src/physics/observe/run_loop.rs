@@ -34,7 +34,8 @@ impl RunLoop {
     }
 
     /// Advances the run and calls the observers at their times. The run stops at the end of a window (time between two
-    /// exchanges with the gas) if `pause` returns true. Returns true if the run is over.
+    /// exchanges with the gas) if `pause` returns true. Returns true if the run is over, and false if it was stopped by
+    /// `pause`.
     ///
     /// A stopped run continues at the next call of this method, also after it was restored from a [`Pause`]. A caller
     /// that does not continue the run calls [`finish_half_kick`](Self::finish_half_kick).

@@ -46,8 +46,8 @@ pub struct Terms<T> {
     pub drag: T,
     /// [m²/s³] rate of change of the moment by impacts between particles and on walls.
     pub impacts: T,
-    /// [m²/s³] sum of the other terms. In a steady flow it is zero except for chance and the finite width of the
-    /// slices.
+    /// [m²/s³] sum of production, transport, drag and impacts. In a steady flow it is zero except for chance and the
+    /// finite width of the slices.
     pub rest: T,
 }
 
@@ -343,7 +343,7 @@ struct Derived {
 }
 
 /// Difference of the mean velocity [m/s] along y over the thickness of a slice: the gradient times this thickness. It
-/// is a central difference, and a one-sided difference of second order at the walls.
+/// is a central difference, and a one-sided difference of second order at the walls; 0 for fewer than three slices.
 fn gradient(sums: &[MomentSums], slice: usize) -> Vector3<f64> {
     let (last, mean) = (sums.len() - 1, |k: usize| sums[k].mean());
     match slice {

@@ -21,7 +21,7 @@ const MOST: u64 = 1000;
 const CURVE: u64 = 200;
 
 /// Largest number of particles for which the rows of a time series may be more frequent than samples. A row of so few
-/// particles takes little time.
+/// particles takes little computing time.
 const FEW: usize = 10_000;
 
 /// Averages over all particles at one instant: a row of the time series.
@@ -85,8 +85,8 @@ pub struct ShearStress {
     pub kinetic: f64,
     /// [Pa] contact part of the stress, averaged over the time since the previous row; `None` in the first row.
     pub contact: Option<f64>,
-    /// [J s] time integral of Σ r_y f_z since the start, over the pairs in contact with the vector r between their
-    /// centres and the force f.
+    /// [J s] time integral of Σ r_y f_z since the start, over the pairs in contact, with the vector r between their
+    /// centres and the force f. For a collision, the impulse takes the place of the time integral of f.
     pub(super) virial: f64,
 }
 

@@ -60,7 +60,7 @@ struct StressSample {
 /// Measurement of the stress and the volume fraction at every sample.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Stresses {
-    /// Number n, if every n-th sample of the run is used.
+    /// Number n: every n-th sample of the run is used.
     every: u64,
     /// [s] time between two samples that are used.
     interval: f64,

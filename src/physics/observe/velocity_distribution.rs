@@ -115,7 +115,8 @@ impl<'a> PeculiarVelocities<'a> {
     }
 
     /// Numbers of particles in each of `bins` bins from 0 to `largest` [-]: first by their speed c, then by their
-    /// component |c_x|, both in units of sqrt(2T). One more entry counts all other particles.
+    /// component |c_x|, both in units of sqrt(2T). The last of the `bins` + 1 entries counts all other particles:
+    /// faster ones, and those alone in their slice.
     fn histogram(&self, bins: usize, largest: f64) -> Vec<[f64; 2]> {
         let per_width = bins as f64 / largest;
         let species = &self.sample.particles.species;

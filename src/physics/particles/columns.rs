@@ -91,7 +91,8 @@ pub trait Column {
     }
 
     /// Appends `count` values that [`pack`](Self::pack) has written at the beginning of `bytes`. Returns the remaining
-    /// bytes, or `None` if there are too few bytes. `before` is the number of particles in this store before the call.
+    /// bytes, or `None` if `bytes` cannot be a result of `pack`. `before` is the number of particles in this store
+    /// before the call.
     fn unpack<'a>(&mut self, bytes: &'a [u8], count: usize, before: usize) -> Option<&'a [u8]> {
         let (is_there, rest) = bytes.split_first()?;
         if *is_there > 1 || (*is_there == 0 && !Self::IS_OPTIONAL) {
@@ -109,8 +110,8 @@ pub trait Column {
         Some(rest)
     }
 
-    /// Reads the value of the particle at `index` from the beginning of `bytes`. Returns the remaining bytes, or
-    /// `None` if there are too few bytes.
+    /// Reads the value of the particle at `index` from the beginning of `bytes`, if the store has the column. Returns
+    /// the remaining bytes. `None` if there are too few bytes, or no such particle.
     fn unpack_at<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
         let Some(values) = self.values_mut() else { return Some(bytes) };
         let (own, rest) = bytes.split_at_checked(Self::Value::SIZE)?;

@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use values::{AsBytes, AsNumbers};
 
-/// Number of particles or pairs in a piece of parallel work. For smaller numbers a second thread saves no time. The
-/// pieces do not depend on the number of threads, so neither do the results.
+/// Number of particles or pairs in a piece of parallel work. For smaller numbers a second thread saves no computing
+/// time. The pieces do not depend on the number of threads, so neither do the results.
 pub const CHUNK: usize = 8192;
 
 columns! {

@@ -9,8 +9,9 @@ use crate::communicator::Communicator;
 const SLICE: usize = 1 << 17;
 
 /// Calls `visit` with slices of the particles of all processes, in the order of ids. Only the lead process (number 0)
-/// calls `visit`. All processes must call this function, each with its own particles. With a communicator, their ids
-/// together must be all numbers below their total number. Without a communicator `particles` contains all particles.
+/// calls `visit`. All processes must call this function, each with its own particles. With a communicator, the ids of
+/// all particles together must be all numbers below the total number of particles. Without a communicator `particles`
+/// contains all particles.
 pub fn for_each_slice(
     particles: &Particles,
     communicator: Option<&dyn Communicator>,
@@ -48,7 +49,8 @@ pub fn for_each_slice(
 }
 
 /// Checksum of the particles of all processes, equal to [`Particles::fingerprint`] of a store with all particles. All
-/// processes must call this function, and each receives the result.
+/// processes must call this function, and each receives the result. Without a communicator, `particles` contains all
+/// particles.
 pub fn fingerprint_of(particles: &Particles, communicator: Option<&dyn Communicator>) -> u64 {
     let mut hash: u64 = 0xcbf2_9ce4_8422_2325; // offset basis, Fowler, Noll & Vo
     for_each_slice(particles, communicator, &mut |slice| {

@@ -76,7 +76,7 @@ impl FreeRoom {
         if is_box { densest } else { MEASURED * densest }
     }
 
-    /// True if the space is a box, whose volume is exact.
+    /// True if the space is a box, whose volume is exact, because it is not measured with points.
     fn is_box(&self) -> bool {
         let are_sides = |wall: &Wall| wall.geometry.plane().is_some_and(|plane| plane.normal.amax() > 1.0 - ROUNDING);
         self.inside.is_empty() && self.scene.walls.iter().all(are_sides)

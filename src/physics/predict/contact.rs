@@ -340,10 +340,10 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
 }
 
 /// [m/s] normal speed of a usual impact of an experiment; always positive. Predictions evaluate a restitution that
-/// depends on the speed at this value. It is the root of the sum of the squares of three speeds:
+/// depends on the speed at this value. The value is the root of the sum of the squares of three speeds:
 ///
-/// * the mean speed of impact in a gas with the velocity fluctuation σ of the start, sqrt(π) σ (for listed particles,
-///   the largest speed). The speeds of moving walls and of the shear over a diameter are added;
+/// * the mean speed of impact in a gas with the velocity fluctuation σ of the start, sqrt(π) σ. For particles with
+///   listed velocities it is the largest speed. The speeds of moving walls and of the shear over a diameter are added;
 /// * the speed after a fall through half of the box;
 /// * the mean speed of impact at the agitation that a channel flow maintains.
 pub fn usual_impact(scene: &Scene, start: &[Population]) -> f64 {

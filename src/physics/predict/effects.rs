@@ -37,8 +37,8 @@ impl Effect {
     }
 }
 
-/// Lists all physical effects that are considered, with their sizes in the scene. Most sizes are compared with the
-/// relative error that `plan` allows.
+/// Lists all physical effects that are considered, with their sizes in the scene. Each size has its own threshold, or
+/// is compared with the relative error that `plan` allows. The list is empty without particles.
 pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     let particles = plan.particles + plan.coming.unwrap_or(0);
     if particles == 0 {
@@ -104,7 +104,7 @@ fn against_target(
 }
 
 /// Effects of the gas on the particles and of the particles on the gas; empty without drag. `contact` [s] is the
-/// duration of the longest contact.
+/// duration of the longest contact; `None` if no contact has a finite duration.
 fn in_gas(scene: &Scene, plan: &RunPrediction, contact: Option<f64>) -> Vec<Effect> {
     let Some(response) = plan.flow.iter().map(|flow| flow.response_time).reduce(f64::min) else { return Vec::new() };
     let against_target = |name, measure, number, modelled| against_target(plan, name, measure, number, modelled);

@@ -114,9 +114,9 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 /// * The normal of a mesh may jump by Δn under a sphere. The force, at most ω_0 M u_n with the frequency ω_0 of the
 ///   contact, then has a wrong direction for up to one step Δt. At the speed u its work is wrong by |Δn| ω_0 M u_n u
 ///   Δt. With u about u_n this is s M u_n²/2 with s = 2 |Δn| ω_0 Δt.
-/// * An overlap is a difference of coordinates. They are rounded at ε L, with the relative rounding error ε and the
-///   edge L of the box. In each step the work of the force f is wrong by ε L f. Over all steps this gives ε L/Δt times
-///   the impulse of all contacts, ∫f dt.
+/// * An overlap is a difference of coordinates. Coordinates are rounded at ε L, with the relative rounding error ε and
+///   the edge L of the box. In each step the work of the force f is wrong by ε L f. Over all steps this gives ε L/Δt
+///   times the impulse of all contacts, ∫f dt.
 /// * Rounding of the energy balance (ledger) itself.
 ///
 /// A larger growth cannot be due to isolated contacts.
@@ -193,7 +193,7 @@ impl Bound {
     }
 
     /// Adds to this bound, read from a stored state, the data that are not stored. They come from `new`, the bound made
-    /// anew for the same experiment.
+    /// anew for the same experiment; with `None` nothing is added.
     pub fn completed(self, new: Option<Self>) -> Self {
         Self { gains: new.map_or(self.gains, |new| new.gains), ..self }
     }

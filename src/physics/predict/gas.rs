@@ -46,8 +46,8 @@ pub struct Component {
 
 impl Component {
     /// Makes the components of `count` particles of a species. `variance` [m²/s²] is the variance of their velocity
-    /// along one axis. If the sizes differ, there are sixteen components with about the same number of particles. The
-    /// particles of each component have the median diameter of a sixteenth of the size distribution.
+    /// along one axis. If the sizes differ, there are at most sixteen components with about the same number of
+    /// particles. The particles of each component have the median diameter of a sixteenth of the size distribution.
     pub fn of(species: &Species, count: usize, variance: f64) -> Vec<Self> {
         const PARTS: usize = 16;
         let Some(sizes) = &species.sizes else { return vec![Self { count, diameter: species.diameter, variance }] };
@@ -235,7 +235,8 @@ pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
 
 /// [-] largest apparent decrease of the contact distance of soft spheres over this distance, among all pairs of species
 /// that have particles. It is [`softness`] for two spheres of one species. `temperatures` holds the granular
-/// temperature [m²/s²] of each species, `None` for a species without particles. `None` if no species has particles.
+/// temperature [m²/s²] of each species, `None` for a species without particles. The result is `None` if no species has
+/// particles.
 pub fn softest(law: &ContactLaw, scene: &Scene, temperatures: &[Option<f64>]) -> Option<f64> {
     let present: Vec<(u16, f64)> = (0..).zip(temperatures).filter_map(|(species, t)| Some((species, (*t)?))).collect();
     let of_pair = |(one, t): (u16, f64), (other, u): (u16, f64)| {
@@ -256,8 +257,9 @@ pub fn stiffening_for(law: &ContactLaw, species: &Species, temperature: f64, err
 }
 
 /// Expected size of the largest cluster of particles that are connected by collisions within a certain time. Each
-/// particle has on average `collisions` [-] collisions in this time. Fewer than one larger cluster is expected among
-/// `count` particles. `None` if clusters grow without bound (one collision per particle or more).
+/// particle has on average `collisions` [-] collisions in this time. The result is the smallest size such that fewer
+/// than one larger cluster is expected among `count` particles. `None` if clusters grow without bound (one collision
+/// per particle or more).
 ///
 /// The clusters are those of a random graph with the mean degree c. The probability that a particle is in a cluster of
 /// size s is that of Borel's distribution, P(s) = (cs)^(s-1) e^(-cs)/s! (Borel 1942). The number of clusters of size s

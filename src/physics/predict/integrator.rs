@@ -86,8 +86,9 @@ struct GapState {
 struct GapForce<'a> {
     law: &'a ContactLaw,
     spring: Spring,
-    /// True: the force is zero while the gap is positive. False: the law also acts at a positive gap. This is needed
-    /// for the stability of a free oscillation, and for contacts whose end is found within a step.
+    /// True: the force is zero while the gap is positive. False: the law also acts at a positive gap. Forces at a
+    /// positive gap are needed to compute the stability of a free oscillation, and for contacts whose end is found
+    /// within a step.
     one_sided: bool,
 }
 

@@ -51,7 +51,8 @@ pub struct Calibration {
     pub collision_rate: [Option<f64>; 2],
     /// [1/s] number of impacts on walls per particle and time, and its standard error; each is `None` if unknown.
     pub wall_rate: [Option<f64>; 2],
-    /// [-] relative standard error of the granular temperature of a slice along y (median over slices).
+    /// [-] relative standard error of the granular temperature of a slice along y (median over slices); `None` if
+    /// unknown.
     pub temperature_error: Option<f64>,
     /// [s] simulated time over which the results of the short run were averaged.
     pub averaged: f64,
@@ -71,7 +72,7 @@ pub struct PredictedCost {
     /// Number of windows (times between two exchanges with the gas) whose computing time was measured.
     pub windows_timed: u64,
     /// [byte] predicted memory of the run: that of this process after the timed windows, without the copy of the
-    /// starting particles, plus that of the report. `None` if the system does not report it.
+    /// starting particles, plus that of the report. `None` if the operating system does not tell the memory in use.
     pub memory: Option<f64>,
     /// Reason why no run of the model is possible; `None` if it is possible.
     pub failure: Option<String>,
@@ -117,18 +118,21 @@ pub struct RunPrediction {
     pub step_limits: Vec<contact::StepLimit>,
     /// Predictions of kinetic theory; `None` for scenes with few bodies.
     pub gas: Option<gas::Gas>,
-    /// [-] mean fraction of the time that a particle is in contact with other bodies.
+    /// [-] mean fraction of the time that a particle is in contact with other bodies, at least the fraction in which
+    /// particles rest on a floor. `None` if neither kinetic theory nor such a rest predicts it.
     pub time_in_contact: Option<f64>,
     /// Number of particles in the largest island (group of particles that may meet within a window, the time between
     /// two exchanges with the gas). `None` if islands would grow without bound, or if the theory is not valid.
     pub largest_island: Option<usize>,
-    /// [-] apparent decrease of the diameter of soft spheres in collisions, divided by the diameter.
+    /// [-] apparent decrease of the diameter of soft spheres in collisions, divided by the diameter; `None` if it is 0
+    /// or kinetic theory is not valid.
     pub softness: Option<f64>,
     /// Ratios of time scales in a sheared box, and the effect of softness on its stress; `None` without shear.
     pub shear: Option<shear::ShearPrediction>,
     /// Floor on which particles gather under gravity; `None` if there is no such floor.
     pub rest: Option<rest::Rest>,
     /// [-] overlap of a contact at the floor due to the weight of all particles above it, divided by the diameter.
+    /// `None` if the particles do not come to rest.
     pub static_overlap: Option<f64>,
     /// True if particles overlap each other or a wall at the start.
     pub starts_overlapping: bool,

@@ -115,8 +115,8 @@ pub fn named(hard: &[String], soft: &[String]) -> Vec<String> {
     [of("hard spheres", hard), of("soft spheres", soft)].concat()
 }
 
-/// Kinds of contact of a few bodies, each with the normal speed of its fastest impact. It is the largest speed that the
-/// velocities at the start and at inlets allow, but at least `fall` [m/s].
+/// Kinds of contact of a few bodies, each with the normal speed of its fastest impact. This speed is the largest one
+/// that the velocities at the start and at inlets allow, but at least `fall` [m/s].
 pub fn bodies(experiment: &Experiment, start: &Particles, fall: f64) -> Vec<ContactKind> {
     let (apart, fastest) = speeds(start, &experiment.scene.inlets);
     let pair = |_: usize, _: usize| ImpactSpeeds::Bodies { speed: apart.max(fall) };

@@ -8,7 +8,8 @@ use nalgebra::Vector3;
 /// [-] components of gravity below this fraction of its magnitude count as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// True if gravity keeps the particles of some species moving, since it pulls them along walls that hold them back.
+/// True if gravity keeps the particles of some species moving for ever: it pulls them along walls, and these walls
+/// resist the motion.
 ///
 /// Only the pull along periodic axes counts; in scenes with outlets, along all axes. On a floor the pull must be larger
 /// than what friction can hold: μ times the pressure for spheres that slide, and rolling friction for spheres that

@@ -1,7 +1,8 @@
 //! Recommendation of an engine, a stiffness and a time step for a case, with reasons.
 //!
 //! The recommendation depends on the scene, not on measured times, so it is the same on every machine. Local stepping
-//! moves only particles in contact by time steps, uniform stepping all particles. The paper is that of `docs/paper.md`.
+//! moves only particles in contact by time steps; uniform stepping moves all particles by time steps. The paper is that
+//! of `docs/paper.md`.
 
 use super::RunPrediction;
 use super::contact::ContactKind;
@@ -23,10 +24,11 @@ const DEEPEST: f64 = 0.05;
 /// (section 3.4).
 const STEPS: [f64; 6] = [15.0, 20.0, 30.0, 50.0, 100.0, 200.0];
 
-/// [-] mean fraction of the time that a particle is in contact, above which local stepping costs more than uniform
-/// stepping. Costs of local over uniform stepping were measured with `diptych plan cases/dense-gas.toml` at lower
-/// stiffnesses (medians of four on a busy machine). They were 0.9 at the fraction of time 0.04, 1.0 at 0.06 and 1.6 at
-/// 0.12. With a volume fraction of 0.4 they were 0.7 at the fraction of time 0.02, 0.8 at 0.04 and 5.7 at 0.12.
+/// [-] mean fraction of the time that a particle is in contact, above which local stepping takes more computing time
+/// than uniform stepping. Costs of local over uniform stepping were measured with `diptych plan cases/dense-gas.toml`
+/// at lower stiffnesses (medians of four on a busy machine). They were 0.9 at the fraction of time 0.04, 1.0 at 0.06
+/// and 1.6 at 0.12. With a volume fraction of 0.4 they were 0.7 at the fraction of time 0.02, 0.8 at 0.04 and 5.7 at
+/// 0.12.
 const CROWDED: f64 = 0.06;
 
 /// [-] cost per particle of a search for particles that may touch in a window (time between two exchanges with the
@@ -55,7 +57,7 @@ pub enum EngineChoice {
     SoftLocal,
     /// Soft spheres with uniform stepping: every particle moves in every time step.
     SoftUniform,
-    /// Hybrid spheres: instantaneous collisions if two bodies meet alone, soft contacts otherwise.
+    /// Hybrid spheres: instantaneous collisions if two bodies meet and no other body is near, soft contacts otherwise.
     Hybrid,
     /// Collisions by chance: pairs are chosen at random in cells.
     Dsmc,
@@ -251,8 +253,8 @@ fn against_hard(experiment: &Experiment, plan: &RunPrediction) -> Vec<String> {
     list
 }
 
-/// Linear contact law from which the recommended stiffness is computed if the case has no contact law. It has 1 N/m, so
-/// that a stiffening factor is a stiffness in N/m.
+/// Linear contact law from which the recommended stiffness is computed if the case has no contact law. Its stiffness is
+/// 1 N/m, so that a factor of stiffening is a stiffness in N/m.
 const UNNAMED: ContactLaw = ContactLaw::linear(1.0);
 
 /// Softest adequate contact law of the type in the case, and the requirement that determines its stiffness, in words.
@@ -296,7 +298,7 @@ pub fn softest(
 
 /// Number of steps per contact N_c at which the errors of the time steps in collisions change the energy of a particle
 /// by less than the desired relative error. The changes are summed over the collisions within half a response time of
-/// drag, or over the whole run if it is shorter. The reason for the choice is added to `reasons`.
+/// drag, or over the whole run if the run is shorter. The reason for the choice is added to `reasons`.
 fn steps(
     plan: &RunPrediction,
     contacts: &[ContactKind],
@@ -332,7 +334,8 @@ fn steps(
 }
 
 /// Smallest number of steps per contact N_c with which half a period of the fastest tangential, rolling or twisting
-/// spring has `steps` time steps. It is at least `steps`. If it is larger, the reason is added to `reasons`.
+/// spring has `steps` time steps. It is at least `steps`, and equal to `steps` without a law. If it is larger, the
+/// reason is added to `reasons`.
 fn for_springs(
     experiment: &Experiment,
     contacts: &[ContactKind],

@@ -175,7 +175,8 @@ impl Histogram {
         Some((variance.max(0.0) / (self.total - 1) as f64).sqrt())
     }
 
-    /// Value below which the fraction `q` of the values lies, linear within a bin; `None` without values.
+    /// Value below which the fraction `q` [-] of the values lies, interpolated linearly within a bin; `None` without
+    /// values.
     pub fn quantile(&self, q: f64) -> Option<f64> {
         if self.total == 0 {
             return None;

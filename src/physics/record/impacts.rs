@@ -295,8 +295,8 @@ impl Impacts {
     }
 }
 
-/// Means and largest values of impacts; `None` without impacts. Overlaps are divided by the smaller diameter of the two
-/// bodies.
+/// Means and largest values of impacts; a mean or largest value is `None` without impacts. Overlaps are divided by the
+/// smaller diameter of the two bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Number of impacts that have ended.

@@ -65,7 +65,7 @@ impl ByKinds {
         place.map_or_else(|_| MeetingTotals::default(), |place| self.0[place].1)
     }
 
-    /// Pairs of kinds (each a species or a wall) that have had impacts, in ascending order.
+    /// Pairs of kinds (each a species or a wall) that have had impacts, in ascending order of their indices.
     pub fn met(&self) -> impl Iterator<Item = Between> {
         self.0.iter().map(|(between, _)| *between)
     }

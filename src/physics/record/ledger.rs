@@ -375,7 +375,8 @@ impl Books {
         self.rounded.take();
     }
 
-    /// [kg m/s] momentum given to the particles by walls. To save time, no other entry of the ledger is rounded.
+    /// [kg m/s] momentum given to the particles by walls. To save computing time, no other entry of the ledger is
+    /// rounded.
     pub fn by_walls(&self) -> Vector3<f64> {
         values(&self.given_by_walls()).into()
     }

@@ -20,7 +20,7 @@ const INTERVALS: usize = 1024;
 /// Impact of two viscoelastic spheres, in units of the mass M, the speed of approach u and Hertz's constant k.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViscoelasticImpact {
-    /// [-] restitution e: speed of rebound over speed of approach.
+    /// [-] restitution e: speed of rebound divided by speed of approach.
     pub restitution: f64,
     /// [-] contact time in units of (M²/(k² u))^(1/5).
     pub duration: f64,
@@ -33,7 +33,7 @@ pub struct ViscoelasticImpact {
 struct ImpactState {
     /// [-] square root of x, where x is the overlap in units of (M u²/k)^(2/5).
     root: f64,
-    /// [-] rate of change of the overlap over the speed of approach u; 1 at touch, negative during the rebound.
+    /// [-] rate of change of the overlap, divided by the speed of approach u; 1 at touch, negative during the rebound.
     rate: f64,
     time: f64,
 }

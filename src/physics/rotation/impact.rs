@@ -28,7 +28,7 @@ pub enum ImpactRule {
 pub struct ImpactKind {
     /// [-] normal restitution e of impacts between the two kinds of bodies.
     pub restitution: f64,
-    /// [-] effective mass M_t of the slip over the effective mass M.
+    /// [-] effective mass M_t of the slip, divided by the effective mass M.
     pub mass_ratio: f64,
     /// [-] Mindlin's tangential stiffness over Hertz's elastic constant; 0 for other contact laws.
     pub shear_ratio: f64,
@@ -63,7 +63,7 @@ pub struct ObliqueApproach {
     pub slip: f64,
     /// [kg] effective mass M_t of the slip of the two bodies.
     pub mass: f64,
-    /// [-] effective mass M_t of the slip over the effective mass M.
+    /// [-] effective mass M_t of the slip, divided by the effective mass M.
     pub mass_ratio: f64,
 }
 

@@ -25,11 +25,11 @@ pub use tangential::{LinearTangential, NormalSpring, TangentialLaw};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// [-] moment of inertia of a solid sphere over m r² (any textbook of mechanics: 2/5).
+/// [-] moment of inertia of a solid sphere divided by m r², with mass m and radius r (any textbook of mechanics: 2/5).
 pub const SOLID_SPHERE: f64 = 0.4;
 
-/// [-] moment of inertia of a thin shell over m r² (any textbook of mechanics: 2/3). It is the largest value that a
-/// sphere can have.
+/// [-] moment of inertia of a thin shell divided by m r², with mass m and radius r (any textbook of mechanics: 2/3). It
+/// is the largest value that a sphere can have.
 pub const THIN_SHELL: f64 = 2.0 / 3.0;
 
 /// Laws of spheres that rotate: tangential force, tangential impulse, and resistance to rolling and twisting.

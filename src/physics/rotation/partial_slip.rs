@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Number of rings into which the contact circle is divided. The slip after an impact is then exact to 0.02 in units of
-/// μ u_n, with the friction μ and the normal speed u_n (10, 20, 40 and 80 rings: docs/rotation.md).
+/// μ u_n, with the friction μ and the normal speed u_n (comparison of 10, 20, 40 and 80 rings in docs/rotation.md).
 const RINGS: usize = 40;
 
 /// [-] effective Young's modulus E*, if largest overlap, effective radius, effective mass and normal speed are 1. The
@@ -34,7 +34,7 @@ enum RingState {
 /// Oblique impact of elastic spheres whose contact circle sticks in the middle and slips at its edge. The largest
 /// overlap, effective radius, effective mass and normal speed are 1.
 pub struct PartialSlip {
-    /// [-] effective mass M_t of the slip over the effective mass M of the normal motion.
+    /// [-] effective mass M_t of the slip, divided by the effective mass M of the normal motion.
     mass: f64,
     /// [-] outer radii of the rings, from the inside out. The outermost one is the largest radius of the contact, 1.
     radii: Vec<f64>,
@@ -65,9 +65,9 @@ impl PartialSlip {
         Self { mass, steps: steps.collect(), displacement, traction, radii }
     }
 
-    /// [-] reduced slip σ' = s'/(μ u_n) after an impact: the slip s' after it, over friction times normal speed. `slip`
-    /// is the reduced slip σ_0 >= 0 before the impact. A negative result means that the surfaces slip backwards. The
-    /// model contains no resistance to rolling and twisting.
+    /// [-] reduced slip σ' = s'/(μ u_n) after an impact: the slip s' after it, divided by friction times normal speed.
+    /// `slip` is the reduced slip σ_0 >= 0 before the impact. A negative result means that the surfaces slip backwards.
+    /// The model contains no resistance to rolling and twisting.
     pub fn rebound(&self, slip: f64) -> f64 {
         let mut slip = slip;
         let mut displaced = DVector::zeros(RINGS);

@@ -34,7 +34,7 @@ pub struct ObliqueImpact {
     /// [-] tangential stiffness k_t and dashpot c_t in units of M, u_n and the normal stiffness. For Mindlin's law the
     /// two constants are k_t/sqrt(δ) and c_t/δ^(1/4).
     pub tangential: SpringDashpotSlider,
-    /// [-] effective mass M_t of the slip over the effective mass M.
+    /// [-] effective mass M_t of the slip, divided by the effective mass M.
     pub mass: f64,
 }
 
@@ -72,8 +72,8 @@ enum SlipPhase {
 
 impl ObliqueImpact {
     /// Impact with linear laws, from the normal damping ratio ζ, the stiffness ratio κ = k_t/k_n, the tangential
-    /// dashpot constant c_t over M ω_0, and the mass ratio M_t/M [-]. Here M is the effective mass, M_t that of the
-    /// slip, and ω_0 the undamped normal frequency.
+    /// dashpot constant c_t divided by M ω_0, and the mass ratio M_t/M [-]. Here M is the effective mass, M_t that of
+    /// the slip, and ω_0 the undamped normal frequency.
     pub fn linear(damping_ratio: f64, stiffness: f64, dashpot: f64, mass: f64) -> Self {
         let tangential = SpringDashpotSlider { stiffness, dashpot, ..SpringDashpotSlider::without_memory(mass) };
         Self { damping_ratio, tangential, mass }

@@ -43,7 +43,7 @@ pub enum LinearTangential {
     Restitution(f64),
 }
 
-/// Constants of the normal contact of two bodies, from which a tangential law derives its own.
+/// Constants of the normal contact of two bodies, from which a tangential law derives its own constants.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalSpring {
     /// [N/m] stiffness k_n of the normal spring.

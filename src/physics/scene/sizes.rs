@@ -27,8 +27,8 @@ pub enum SizeDistribution {
     LogNormal {
         /// [m] median of the distribution before the cut.
         median: f64,
-        /// [-] geometric standard deviation before the cut, more than 1. Two thirds of the diameters lie between the
-        /// median divided by this deviation and the median times this deviation.
+        /// [-] geometric standard deviation before the cut, more than 1. About two thirds of the diameters lie between
+        /// the median divided by this deviation and the median times this deviation.
         geometric_deviation: f64,
         /// [m] smallest diameter, at which the distribution is cut.
         from: f64,

@@ -30,10 +30,10 @@ fn contact_time(experiment: &Experiment) -> Option<f64> {
     ContactTimes::of(experiment, &experiment.law()?, experiment.most_that_touch(experiment.count())).wall
 }
 
-/// [s] longest window with servo walls; infinite without such walls. A contact lasts at least ten windows. In a window
-/// of length h, the wall corrects the share h K/(c d²) of the difference between the target pressure and the measured
-/// one. Here the particles that cover the wall have the stiffness K and the diameter d, and c is the damping of the
-/// wall. The share is at most a third.
+/// [s] longest window with servo walls; infinite without such walls. The window is so short that a contact lasts at
+/// least ten windows. In a window of length h, the wall corrects the share h K/(c d²) of the difference between the
+/// target pressure and the measured one. Here the particles that cover the wall have the stiffness K and the diameter
+/// d, and c is the damping of the wall. The share is at most a third.
 pub fn longest_for_servo(experiment: &Experiment) -> f64 {
     let impedance = impedance(experiment);
     let Some(time) = contact_time(experiment) else { return f64::INFINITY };

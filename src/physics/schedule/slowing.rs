@@ -26,8 +26,9 @@ pub(super) struct Slowing<'a> {
 }
 
 impl<'a> Slowing<'a> {
-    /// Makes the upper limit for an experiment. `None` if there is no such limit, because the gas moves or the scene
-    /// [adds energy](is_fed). `None` also if several species or a start without speed make the limit useless.
+    /// Makes the upper limit for an experiment. `None` if there is no such limit, because drag is absent, the gas
+    /// moves, or the scene [adds energy](is_fed). `None` also if several species, several sizes or a start without
+    /// speed make the limit useless.
     pub(super) fn of(experiment: &'a Experiment) -> Option<Self> {
         if is_fed(&experiment.scene) {
             return None;

@@ -12,7 +12,8 @@ pub struct ContactSummary {
     /// Number of particles in contact, counted once per contact: two for each contact of a pair, one for each contact
     /// with a wall.
     pub ends: u64,
-    /// [-] largest overlap over the diameter of the smaller particle.
+    /// [-] largest ratio of the overlap to the smaller diameter of the two bodies (at a wall: to the diameter of the
+    /// particle).
     pub largest_overlap: f64,
 }
 
@@ -37,16 +38,16 @@ impl Simulation {
         self.engine.spring_energies()
     }
 
-    /// Pairs of bodies in contact, given by their indices in the store, each with its overlap [m]. Empty unless the
-    /// engine has soft contacts.
+    /// Contacts in progress: each two bodies (two particles, or a particle and a wall) by their indices, with their
+    /// overlap [m]. Empty unless the engine has soft contacts.
     pub fn contacts(&self) -> Vec<(Couple, f64)> {
         let mut contacts = Vec::new();
         self.for_each_contact(|couple, overlap| contacts.push((couple, overlap)));
         contacts
     }
 
-    /// Calls `visit` with each pair of bodies in contact, given by their indices in the store, and with its overlap
-    /// [m]. Engines with instantaneous collisions have no such pairs.
+    /// Calls `visit` with each two bodies in contact (two particles, or a particle and a wall), given by their indices,
+    /// and with their overlap [m]. Engines with instantaneous collisions have no contacts.
     pub fn for_each_contact(&self, mut visit: impl FnMut(Couple, f64)) {
         let mut look = |couple: Couple| {
             let overlap = couple.meet(&self.particles, &self.scene, FrameTime::default()).overlap();

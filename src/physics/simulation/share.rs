@@ -213,7 +213,7 @@ impl Simulation {
         }
     }
 
-    /// [m/s] root mean square of the velocities of all particles about their mean.
+    /// [m/s] root mean square of the velocities of all particles about their mean velocity.
     pub fn fluctuation_speed(&self) -> f64 {
         let known = self.shown.as_ref().and_then(|shown| shown.fluctuation_speed);
         known.unwrap_or_else(|| Sample::from(&self.particles).fluctuation_speed())

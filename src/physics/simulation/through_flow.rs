@@ -60,7 +60,7 @@ impl OpeningFlow {
         FlowTotals { count, mass, momentum, kinetic_energy, rotational_energy, potential_energy, speed }
     }
 
-    /// Number of particles that wait at an inlet for a place, and the largest number that has waited.
+    /// Number of particles that wait at an inlet for a place, and the largest number that waited at one time.
     pub fn waiting(&self) -> [u64; 2] {
         [self.waiting, self.most_waiting]
     }

@@ -39,8 +39,8 @@ impl Simulation {
 }
 
 /// Chooses at random the fluctuation of the gas velocity that each particle sees at the start, unless particles have
-/// one already. The stored value is the fluctuation over its standard deviation [-] for the Langevin equation, and a
-/// velocity [m/s] for the discrete random walk.
+/// one already. The stored value is the fluctuation divided by its standard deviation [-] for the Langevin equation,
+/// and a velocity [m/s] for the discrete random walk.
 pub(super) fn draw_first_eddies(particles: &mut Particles, (fluid, turbulence): (&Fluid, &Turbulence), seed: u64) {
     let Particles { eddies, id, position, .. } = particles;
     eddies.get_or_insert_with(|| {

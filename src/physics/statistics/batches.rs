@@ -248,8 +248,8 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// Distribution computed from several correlations. Each pair has a measured correlation [-] and its variance due
-    /// to chance [-].
+    /// Distribution computed from several correlations. Each entry of `measured` has a measured correlation [-] and its
+    /// variance due to chance [-].
     pub fn of(measured: &[(f64, f64)]) -> Self {
         let count = measured.len() as f64;
         if count < 2.0 {
@@ -290,7 +290,8 @@ pub struct Contrast {
 }
 
 impl Contrast {
-    /// Difference of the averages of `a` minus those of `b`; `None` if one of the sets has too few blocks for an error.
+    /// Difference of the averages of `a` minus those of `b`; `None` if one of the sets has too few blocks for an error,
+    /// or if the sets differ in the number of components.
     pub fn new(a: &Batches, b: &Batches, correlation: Correlation) -> Option<Self> {
         if !a.tells_errors() || !b.tells_errors() || a.values.len() != b.values.len() {
             return None;
@@ -352,7 +353,8 @@ impl Contrast {
 }
 
 /// Measured correlations [-] between neighbouring blocks of all components of two runs, each with its variance due to
-/// chance [-]. They are the input of [`Prior::of`]. Empty if there are no neighbouring blocks.
+/// chance [-]. They are the input of [`Prior::of`]. Empty if a run has too few blocks for an error, or if each run is
+/// one block.
 pub fn measured(a: &Batches, b: &Batches) -> Vec<(f64, f64)> {
     let runs = [a, b];
     if !runs.iter().all(|run| run.tells_errors()) {

@@ -97,7 +97,7 @@ pub struct Judged {
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
     /// Answer for all observables together: the least favourable of their answers. If some observable has no error
-    /// bars, it is not better than `Unresolved`.
+    /// bars, this answer is `Unresolved` or `Different`.
     pub answer: Answer,
     /// [-] largest difference that counts as equivalent, divided by the scale of each observable.
     pub margin: f64,

@@ -243,7 +243,7 @@ impl Folded {
     }
 
     /// Correlations [-] between neighbouring blocks of time of the coefficients of all smooth shapes (polynomials
-    /// across the profile). Each has its variance [-] due to chance.
+    /// across the profile). Each correlation comes with its variance [-] due to chance.
     pub fn correlations(&self) -> Vec<(f64, f64)> {
         let [a, b] = self.projected(&self.shapes);
         measured(&a, &b)

@@ -1,9 +1,9 @@
 //! Standard errors of averages of correlated samples.
 //!
-//! A run is usually short in units of its relaxation time. The error by plain blocking then reaches no plateau and is
-//! too small (by half, for a run of 10 relaxation times). The functions in this file measure the correlation between
-//! neighbouring blocks, correct it for its known bias in short series, and enlarge the error accordingly. The error by
-//! plain blocking remains a lower limit.
+//! If a run is short in units of its relaxation time, the error by plain blocking reaches no plateau and is too small
+//! (by half, for a run of 10 relaxation times). The functions in this file measure the correlation between neighbouring
+//! blocks, correct it for its known bias in short series, and enlarge the error accordingly. The error by plain
+//! blocking remains a lower limit.
 
 use serde::{Deserialize, Serialize};
 

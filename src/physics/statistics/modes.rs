@@ -12,7 +12,8 @@ pub enum Parity {
     Neither,
 }
 
-/// Largest number of smooth shapes of one parity. They are enough for smooth differences, and few enough for one test.
+/// Largest number of smooth shapes of one parity. This number is enough for smooth differences, and small enough for
+/// one test.
 const SHAPES: usize = 3;
 
 /// Indices of the slices that remain if mirrored ones of `count` slices are averaged (folding about the mid-plane).
@@ -41,9 +42,9 @@ pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
 }
 
 /// Legendre polynomials of the parity `parity` at the positions `places`, which extend from -1 to 1. Each row is one
-/// polynomial; the first even one is constant. They are orthogonal on these positions, with a mean square of 1. With
-/// few positions there are fewer polynomials. The first `skip` polynomials are left out, because their coefficients
-/// vanish.
+/// polynomial; the first even one is constant. The polynomials are orthogonal on these positions, with a mean square of
+/// 1. With few positions there are fewer polynomials. The first `skip` polynomials are left out, because their
+/// coefficients vanish.
 pub fn shapes(places: &[f64], parity: Parity, skip: usize) -> Vec<Vec<f64>> {
     let (first, step, wanted) = match parity {
         Parity::Even => (0, 2, SHAPES),

@@ -14,10 +14,10 @@ use serde::Serialize;
 pub struct SliceRow {
     /// [m] height y of the middle of the slice.
     pub y: f64,
-    /// Averages in the order of [`SLICE_COLUMNS`], in their SI units. The number density is that of particle centres,
-    /// divided by its mean in the whole box. In a slice at a wall no centre is within one radius of the wall; the
-    /// density is not corrected for this (20.3 % of a 1 mm slice for spheres of 406 um). Moments are relative to the
-    /// mean over the slice and the averaging period.
+    /// Averages in the order of [`SLICE_COLUMNS`], in their SI units; `None` if unknown. The number density is that of
+    /// particle centres, divided by its mean in the whole box. In a slice at a wall no centre is within one radius of
+    /// the wall; the density is not corrected for this (20.3 % of a 1 mm slice for spheres of 406 um). Moments are
+    /// relative to the mean over the slice and the averaging period.
     pub estimates: [Option<Estimate>; SLICE_QUANTITIES],
     /// Number of particles counted in the slice, summed over all samples.
     pub samples: u64,

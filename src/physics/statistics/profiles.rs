@@ -62,7 +62,7 @@ pub struct Accumulator {
     slices: usize,
     height: f64,
     /// [m/s] reference velocity (u, v, w), which is subtracted from velocities before they are multiplied. Without it,
-    /// moments would be small differences of large numbers.
+    /// moments would be small differences of large numbers. `None` before the first sample.
     reference: Option<Vector3<f64>>,
     /// Number of sums per slice: `SUMS`, or more for spheres that rotate.
     width: usize,
@@ -187,7 +187,7 @@ impl Accumulator {
 
     /// Averages in the slice with index `slice`, from the sums over all samples, and the pseudo-values of each average
     /// (jackknife) for its standard error. `groups` are the sums over each of the blocks of time that the jackknife
-    /// leaves out, and `frame` has their times.
+    /// leaves out, and `frame` has their times. The pseudo-values are `None` if the average or its error is unknown.
     fn row(
         &self,
         slice: usize,

@@ -133,10 +133,10 @@ fn truncation(values: &[f64]) -> (usize, bool) {
     (best.1 * BATCH, 10 * best.1 >= 9 * (count / 2))
 }
 
-/// Drift of the values or drift of their ranks, in standard errors [-], whichever is larger. A decay that no parabola
-/// fits, such as that of a cooling gas, would be taken for noise, but its ranks decrease along a straight line. Ranks
-/// of a steady series are also steady. Ranks do not depend on the size of changes, so values within one `step` count as
-/// equal. Energy that is lost by rounding or by an integrator then does not count as decay.
+/// Drift of the values or drift of their ranks, in standard errors [-], whichever is larger; `None` for too few values.
+/// A decay that no parabola fits, such as that of a cooling gas, would be taken for noise, but its ranks decrease along
+/// a straight line. Ranks of a steady series are also steady. Ranks do not depend on the size of changes, so values
+/// within one `step` count as equal. Energy that is lost by rounding or by an integrator then does not count as decay.
 fn drift_of_any_shape(values: &[f64], step: f64) -> Option<f64> {
     Some(drift(values)?.max(drift(&ranks(values, step))?))
 }
@@ -157,7 +157,7 @@ fn ranks(values: &[f64], step: f64) -> Vec<f64> {
 
 /// [-] magnitude of the difference between the means of the two halves, in standard errors. The standard error comes
 /// from the scatter about a fitted parabola, because a drift would increase the scatter about the mean. `None` for
-/// fewer than 16 values.
+/// fewer than 16 values, or if a value is not finite.
 fn drift(values: &[f64]) -> Option<f64> {
     let count = values.len();
     if count < 2 * FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
@@ -184,7 +184,7 @@ fn drift(values: &[f64]) -> Option<f64> {
     Some(if error <= 1e-12 * largest { f64::INFINITY } else { difference / error })
 }
 
-/// Subtracts a multiple of `shape` from `values`: the one that fits them best by least squares.
+/// Subtracts a multiple of `shape` from `values`: the multiple that fits the values best by least squares.
 fn take_off(values: &mut [f64], shape: &[f64]) {
     let overlap: f64 = values.iter().zip(shape).map(|(v, s)| v * s).sum();
     let factor = overlap / shape.iter().map(|s| s * s).sum::<f64>();

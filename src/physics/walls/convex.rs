@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 const STEPS: usize = 64;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, for a convex body. `nearest` returns the point of the body
-/// that is nearest to a given point.
+/// that is nearest to a given point. `None` without a touch until `until` [s].
 ///
 /// A convex body lies behind the tangent plane at its nearest point, so a flight reaches this plane before the body.
 /// Each step advances to the next tangent plane, so the time never exceeds the time of touch. The convergence is

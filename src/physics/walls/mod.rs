@@ -150,14 +150,14 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     }
 
     /// True if `point` [m] is certainly on the particles' side and farther than `distance` [m] from the surface. The
-    /// result may also be false for some of these points, because the test must not compute the nearest point.
+    /// result may also be false for some of these points, because the test is made without computing the nearest point.
     fn is_clear(&self, point: &Vector3<f64>, distance: f64) -> bool {
         let _ = (point, distance);
         false
     }
 
     /// True if the contacts of a sphere are numbered by their distance from its centre, the nearest first. Then
-    /// [`first_touch`](Self::first_touch) finds every touch for contact 0, and none for the others.
+    /// [`first_touch`](Self::first_touch) finds every touch for contact 0, and none for the other contacts.
     fn is_nearest_first(&self) -> bool {
         false
     }
@@ -335,7 +335,7 @@ impl WallGeometry {
         if self.is_flat() { 0.0 } else { self.law().seam() }
     }
 
-    /// First touch for contact number `which`, as [`Geometry::first_touch`] defines it.
+    /// First touch for contact number `which`, as [`Geometry::first_touch`] defines it; `None` without a touch.
     #[inline]
     pub fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         self.law().first_touch(which, flight, radius, until)

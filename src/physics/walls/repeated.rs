@@ -10,8 +10,8 @@ use serde::Serialize;
 const FARTHEST: f64 = 2.0;
 
 /// A body in a periodic domain together with its images. Particles may leave the domain during a window (the time
-/// between two exchanges of momentum with the gas), and touch images outside. They are moved back into the domain after
-/// the window.
+/// between two exchanges of momentum with the gas), and touch images outside. These particles are moved back into the
+/// domain after the window.
 #[derive(Clone, Debug, Serialize)]
 pub struct Repeated {
     shape: WallGeometry,

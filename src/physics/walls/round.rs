@@ -65,13 +65,13 @@ impl Geometry for Tube {
         Nearest { distance, normal: self.axle.in_space(&(Vector2::new(-1.0, self.slope) / length), point) }
     }
 
-    /// Computes the time of touch as the first root of a polynomial. Let ρ(t) = |p + q t + α t²/2| be the distance of
-    /// the sphere's centre from the axis. Here p, q and α are the components of position, velocity and gravity
-    /// perpendicular to the axis. The sphere touches the wall when ρ = a + b t + c t²/2, the radius of the wall beside
-    /// the centre minus sqrt(1 + s²) times the radius of the sphere. For a straight flight (for pipes: straight in the
-    /// plane perpendicular to the axis) the degree is two, otherwise four. Conservative advancement (steps in which the
-    /// sphere certainly touches nothing) would need too many steps for a sphere that slides down a cone in ever smaller
-    /// bounces.
+    /// Computes the time of touch [s] as the first root of a polynomial; `None` without a touch. Let ρ(t) = |p + q t +
+    /// α t²/2| be the distance of the sphere's centre from the axis. Here p, q and α are the components of position,
+    /// velocity and gravity perpendicular to the axis. The sphere touches the wall when ρ = a + b t + c t²/2, the
+    /// radius of the wall beside the centre minus sqrt(1 + s²) times the radius of the sphere. For a straight flight
+    /// (for pipes: straight in the plane perpendicular to the axis) the degree is two, otherwise four. Conservative
+    /// advancement (steps in which the sphere certainly touches nothing) would need too many steps for a sphere that
+    /// slides down a cone in ever smaller bounces.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let curved = if self.slope == 0.0 { self.axle.across(&flight.gravity) } else { flight.gravity };
         let from = flight.position - self.axle.center;
@@ -136,10 +136,10 @@ impl Geometry for Bowl {
         Nearest { distance: self.radius - distance, normal }
     }
 
-    /// Computes the time of touch as the first root of a polynomial. The centre of the particle is at the distance |p +
-    /// q t + g t²/2| from the centre of the bowl. Here p is the position relative to the centre of the bowl, q the
-    /// velocity, and g gravity. At a touch this distance is the radius of the bowl minus that of the particle. The
-    /// degree is two without gravity, and four with gravity.
+    /// Computes the time of touch [s] as the first root of a polynomial; `None` without a touch. The centre of the
+    /// particle is at the distance |p + q t + g t²/2| from the centre of the bowl. Here p is the position relative to
+    /// the centre of the bowl, q the velocity, and g gravity. At a touch this distance is the radius of the bowl minus
+    /// that of the particle. The degree is two without gravity, and four with gravity.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let (p, q, g) = (flight.position - self.center, flight.velocity, flight.gravity);
         let reach = self.radius - radius;
@@ -303,7 +303,8 @@ impl Geometry for Frustum {
         if which == 0 { self.touch_time(flight, radius, until).map(Touch::at) } else { None }
     }
 
-    /// Tests the near side for both contacts, because a sphere above the rim may reach the opposite side anywhere.
+    /// Returns true if the near side may be touched, for both contacts, because a sphere above the rim may reach the
+    /// opposite side anywhere.
     fn may_touch(&self, _which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.nearest(point).distance - radius < skin
     }

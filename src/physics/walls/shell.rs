@@ -14,7 +14,8 @@ const STEPS: usize = 100;
 /// plus the distance of its centre from the centre of the shell.
 const NEAR: f64 = 1e-9;
 
-/// [s] time of touch as [`Geometry::touch_time`] defines it, for a thin shell.
+/// [s] time of touch as [`Geometry::touch_time`] defines it, for a thin shell. `None` without a touch until `until`
+/// [s].
 pub(super) fn touch_time(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
     advancement::within(shell, flight, radius, (until, STEPS))
         .unwrap_or_else(|| first_root(shell, flight, radius, until))

@@ -56,9 +56,9 @@ pub fn for_each_with<T: Send, M>(
     });
 }
 
-/// Calls `do_pieces` on this thread and on `helpers` others. The argument of `do_pieces` is true on the other threads.
-/// These take pieces from the end of the list, so that each thread mostly gets its pieces of the previous loop, which
-/// are in its cache.
+/// Calls `do_pieces` on this thread and on `helpers` other threads. The argument of `do_pieces` is true on the other
+/// threads, which take pieces from the end of the list. So a thread is likely to get the pieces that it had in the
+/// previous loop, which are in its cache.
 ///
 /// The function takes a trait object, because compiling the calls of rayon anew for each loop would take long.
 fn on_threads(helpers: usize, do_pieces: &(dyn Fn(bool) + Sync)) {
@@ -159,7 +159,7 @@ mod tests {
         let barrier = std::sync::Barrier::new(3);
         let made = AtomicUsize::new(0);
         let own = || made.fetch_add(1, Ordering::Relaxed);
-        // each piece waits until the two others have begun, so a single thread would never end
+        // each piece waits until the two other pieces have begun, so a single thread would never end
         let who = on(3, || map_with(0..3, own, |own, _| (barrier.wait(), *own).1));
         assert_eq!(made.into_inner(), 3);
         assert_eq!(who.iter().collect::<std::collections::BTreeSet<_>>().len(), 3, "{who:?}");

@@ -1,4 +1,4 @@
-//! Connection between the processes that work on one command, as by MPI.
+//! Connection between the processes that work on one command, for example by MPI.
 
 #[allow(unused_imports, reason = "for the links in the comments")]
 use crate::communicator::Communicator;
@@ -25,8 +25,8 @@ pub trait Link {
     /// Returns the bytes `own` of all processes, in the order of their numbers. All processes must call this method.
     fn gather(&self, own: &[u8]) -> Vec<Vec<u8>>;
 
-    /// Sends one list of bytes to each process, and returns those that the other processes have sent, as
-    /// [`Communicator::exchange`] does.
+    /// Sends element k of `outgoing` to process k. Returns the bytes that each process has sent to this one, in the
+    /// order of the numbers of the processes, as [`Communicator::exchange`] does.
     fn exchange(&self, outgoing: Vec<Vec<u8>>) -> Vec<Vec<u8>>;
 
     /// Returns in all processes the bytes that process 0 has passed, as [`Communicator::broadcast`] does.

@@ -53,8 +53,8 @@ pub enum Message {
     Free(usize),
     /// From a helper process to the lead process: the run with this index has reached this simulated time [s].
     At(usize, f64),
-    /// From a helper process to the lead process: the run with this index is over. The bytes are its result; `None` if
-    /// the run was stopped early.
+    /// From a helper process to the lead process: the run with this index is over. The bytes are its result, `None` if
+    /// the run was stopped early; an error is that of the run.
     Done(usize, Result<Option<Vec<u8>>, StudyError>),
     /// From a helper process to the lead process: the helper can do no run, for this reason.
     Failed(String),
@@ -73,7 +73,8 @@ enum Found {
 
 impl Ranks {
     /// Connects this process with the processes that were started together with it. Without other processes, this
-    /// process works alone.
+    /// process works alone. If the program was built without MPI, it works alone too, and prints a warning if there are
+    /// other processes.
     ///
     /// # Errors
     /// Returns an error if MPI cannot be started.
@@ -96,7 +97,7 @@ impl Ranks {
         }
     }
 
-    /// Creates the value of a process that works alone, without a connection to others.
+    /// Creates the `Ranks` of a process that works alone, without a connection to others.
     pub fn alone() -> Self {
         Self::with(Box::new(LoneProcess))
     }
@@ -135,7 +136,7 @@ impl Ranks {
         }
     }
 
-    /// Does work in the lead process alone. All processes must call this function; the helpers get a default value.
+    /// Does `work` in the lead process alone. All processes must call this function; the helpers get a default value.
     ///
     /// # Errors
     /// Returns the error of the work, or the error of a process that could not begin.
@@ -208,7 +209,7 @@ impl Ranks {
         code
     }
 
-    /// Stores the exit code with which the lead has ended the command. It is called in a helper process.
+    /// Stores the exit code with which the lead has ended the command. This method is called in a helper process.
     pub fn dismissed(&self, code: u8) {
         self.dismissed.set(Some(code));
     }
@@ -238,8 +239,8 @@ impl Ranks {
         (1..self.count()).for_each(|helper| self.send(helper, &Message::Stop));
     }
 
-    /// Next message that a helper process has sent to the lead process; `None` if no message has arrived. The message
-    /// also updates the list of free helpers and the number of runs that helpers are doing.
+    /// Next message that another process has sent to this one; `None` if no message has arrived. A message from a
+    /// helper process also updates the list of free helpers and the number of runs that helpers are doing.
     pub fn heard(&self) -> Option<Message> {
         let (from, message) = self.take()?;
         match &message {
@@ -289,7 +290,8 @@ fn unfit(why: postcard::Error) -> StudyError {
     StudyError::Failed(format!("error: a message between processes cannot be read: {why}"))
 }
 
-/// Error that names the reason why the processes cannot begin together; `None` if they can.
+/// Error that names the reason why the processes cannot begin together; `None` if they can. `all` has the result of
+/// each process, in the order of their numbers.
 fn disagreement(all: &[Found]) -> Option<StudyError> {
     let error = all.iter().enumerate().find_map(|(rank, found)| match found {
         Found::Error(why, input) => Some((rank, why, *input)),

@@ -95,8 +95,7 @@ impl Link for Mpi {
         let own = self.rank();
         let pieces = outgoing.iter().map(|bytes| bytes.len().div_ceil(PIECE)).sum();
         mpi::request::multiple_scope(pieces, |scope, sent| {
-            // only processes for which there are bytes get a message; during most of a run these are the neighbouring
-            // ones
+            // only processes for which there are bytes get a message
             for (rank, bytes) in outgoing.iter().enumerate().filter(|(rank, _)| *rank != own) {
                 let to = self.world.process_at_rank(rank as i32);
                 bytes.chunks(PIECE).for_each(|piece| {

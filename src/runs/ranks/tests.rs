@@ -197,7 +197,7 @@ fn a_helper_that_fails_ends_all_and_one_that_is_stopped_stops_all() {
                 over += 1;
                 square.map(drop)
             })?;
-            // each of four threads may be doing a run, and may receive a further run before the message arrives
+            // each of four threads may be doing a run, and may receive a further run before the message to stop arrives
             Ok(if over < COUNT / 2 { 130 } else { 3 })
         })
     };

@@ -7,8 +7,8 @@ use crate::statistics::power_law;
 
 /// [-] relative errors for which the cheapest method is named, each with its text in the sentence.
 const TARGETS: [(f64, &str); 2] = [(0.01, "1 %"), (0.001, "0.1 %")];
-/// Number of standard errors. An error of a method that is smaller than so many standard errors of the result is
-/// attributed to chance.
+/// Number of standard errors. An error of a method that is at most so many standard errors of the result is attributed
+/// to chance.
 const RESOLVED: f64 = 3.0;
 /// [-] relative error below which an error of a method is attributed to rounding. Positions of about 1 mm have a
 /// rounding error of about 1e-19 m, which is at most 1e-13 of an overlap of some micrometres.

@@ -47,7 +47,7 @@ pub struct HeadOn {
     pub duration: f64,
 }
 
-/// A run that stopped before its end, with the reason and its cost up to then.
+/// Run that failed before its end, or in which the bodies did not separate: the reason, and the cost of the run.
 struct Stopped {
     why: ChartFailure,
     counters: Counters,

@@ -121,7 +121,8 @@ fn scene(base: &Experiment, path: &std::path::Path) -> Result<Option<HeadOn>, St
 }
 
 /// Runs every method of the chart at every value of its swept parameter, and returns the results. `scene` is the
-/// head-on impact of a case with one or two particles; `quick` reduces the number of values.
+/// head-on impact of a case with one or two particles, `None` for a case with more particles. `quick` reduces the
+/// number of values.
 ///
 /// # Errors
 /// Returns an error if no reference can be computed for the scene.

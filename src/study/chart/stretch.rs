@@ -12,8 +12,8 @@ use std::time::Instant;
 
 /// Number of runs of the reference method, each with a different seed.
 pub const STARTS: usize = 8;
-/// Number of samples of the statistics in a stretch (piece of simulated time that every method of a chart runs). So
-/// many samples give standard errors.
+/// Number of samples of the statistics in a stretch (piece of simulated time that every method of a chart runs). With
+/// so many samples, averages get standard errors.
 pub const SAMPLES: f64 = 60.0;
 /// Averaging time of the case divided by the length of a stretch (piece of simulated time that every method of a chart
 /// runs). A chart has dozens of runs. With this number, these runs take minutes if the case takes seconds.
@@ -82,7 +82,7 @@ impl Stretch {
     }
 
     /// Methods for the reference, each as an experiment with a description. The second method is used if the engine of
-    /// the first one fails.
+    /// the first one fails; it is missing if the case has no contact law.
     pub fn ways(&self) -> Vec<(Experiment, &'static str)> {
         let mut hard = self.experiment.clone();
         hard.run.spheres = Spheres::Hard;
@@ -100,8 +100,8 @@ impl Stretch {
     }
 
     /// Methods that can run the scene, each with the values of its parameter. Windows (times between two exchanges with
-    /// the gas) are left out if they are so long that there are too few for error bars. If `quick` is true, each
-    /// parameter has fewer values.
+    /// the gas) are left out if they are so long that a run has too few of them for error bars. If `quick` is true,
+    /// each parameter has fewer values.
     pub fn sweeps(&self, quick: bool) -> Vec<MethodSweep> {
         let window = Schedule::new(&self.experiment).window;
         let longest = window.max(self.experiment.run.duration / FEWEST_BLOCKS as f64);
@@ -123,7 +123,7 @@ impl Stretch {
     }
 
     /// [s] expected wall time of every run, from a trial of each: first the runs of the reference, then the points of
-    /// all methods. In a gas, the trial starts with the velocity fluctuations that the gas causes.
+    /// all methods. In a surrounding gas, the trial starts with the velocity fluctuations that the gas causes.
     ///
     /// # Errors
     /// Returns an error if the particles cannot be placed.
@@ -150,7 +150,7 @@ impl Stretch {
 
     /// Message for the reader if a stretch (piece of time that every method runs) has too few samples (instants of
     /// measurement) for error bars. It names the shortest `run.duration` of the case `base` with enough samples. `None`
-    /// if there are enough.
+    /// if there are enough samples.
     pub fn shortfall(&self, base: &Experiment, quick: bool) -> Option<String> {
         let samples = Schedule::new(&self.experiment).samples;
         if samples >= FEWEST_BLOCKS as u64 {
@@ -158,7 +158,8 @@ impl Stretch {
         }
         let alone = shortest(base, quick).map(|duration| format!("--set run.duration=\"{duration} s\""));
         let remedy = alone.or_else(|| {
-            // windows usually grow with the duration; with a fixed window, a longer duration has more windows
+            // without `run.window`, windows grow with the duration; with a fixed window, a longer duration has more
+            // windows
             let window = rounded(self.window * (1.0 + ROUNDING), f64::floor);
             let mut fixed = base.clone();
             fixed.run.window = Some(window);

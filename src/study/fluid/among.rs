@@ -1,5 +1,5 @@
-//! Gas among particles, as a finished run with `[fluid.coupling]` has written it to `gas.csv`. A variant is one of the
-//! experiments of a case.
+//! Gas among particles, as a finished run with `[fluid.coupling]` (the particles act back on the gas) has written it to
+//! `gas.csv`. A variant is one of the experiments of a case.
 
 use crate::fluid::{GridNode, Profile};
 use crate::legible::quote;
@@ -33,7 +33,7 @@ struct GasRow {
 }
 
 impl GasRow {
-    /// The gas alone, and the gas among the particles.
+    /// Values at this grid point: first of the gas alone, then of the gas among the particles.
     fn nodes(&self) -> [GridNode; 2] {
         let y = self.y_m;
         [

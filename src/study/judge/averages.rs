@@ -81,7 +81,8 @@ fn profile(
 }
 
 /// Observables of `outcome` that are single numbers: granular temperature, impact rates and shear stress. Numbers that
-/// `reference` lacks are left out, and so are times after `until` [s].
+/// `reference` lacks are left out, and all numbers if the particles of `reference` are at rest. Times after `until` [s]
+/// are left out too.
 fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable> {
     let of = |outcome: &Outcome| {
         let averaged = outcome.averaged.clone();
@@ -93,7 +94,7 @@ fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable
         ]
     };
     let both = of(outcome).into_iter().zip(of(reference));
-    // with inlets or outlets the number of particles is a result too, and that at the end is not the mean
+    // with inlets or outlets the number of particles is a result too, and the number at the end is not the mean number
     let comes_and_goes = has_openings([outcome, reference]);
     let numbers = both.filter_map(|((name, unit, own), (_, _, other))| {
         // rates are scaled to the number of particles of the reference
@@ -192,7 +193,7 @@ pub(super) fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> 
     (scale.0 > rest && !known.is_empty()).then_some(scale)
 }
 
-/// True if particles come in or leave in either run.
+/// True if the scene of at least one of the two runs has openings through which particles come in or leave.
 fn has_openings(runs: [&Outcome; 2]) -> bool {
     runs.iter().any(|run| run.experiment.scene.has_openings())
 }

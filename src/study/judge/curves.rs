@@ -22,7 +22,8 @@ pub const FEWEST: usize = 3;
 const ADVISED: usize = 8;
 
 /// Number of particles that are assumed to move together as a group when single runs are compared. If all particles
-/// moved independently, it would be 1. The value is larger, so that the answer "different" is not given too soon.
+/// moved independently, this number would be 1. The value is larger, so that the answer "different" is not given too
+/// soon.
 const CLUMP: f64 = 100.0;
 
 /// Columns of the time series that are compared as curves over time. These are all columns with a `scale`, the rule for
@@ -119,7 +120,8 @@ fn of_kind(curve: &KindCurve, runs: &[&Outcome], references: &[&Outcome], times:
     (scale > 0.0).then(|| of.observable(value, runs, references, times))
 }
 
-/// Name and unit of a curve over time, and the scale by which its differences are divided.
+/// Name and unit of a curve over time, and the scale by which its differences are divided. If the values are sums over
+/// particles (`is_sum`), they are scaled to the number of particles of the reference.
 struct Of {
     name: Cow<'static, str>,
     unit: &'static str,

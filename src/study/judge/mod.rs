@@ -32,18 +32,18 @@ use words::percent;
 const TELLING: f64 = 0.1;
 
 /// [-] factor by which the time between samples (instants of measurement) of a longer run may exceed that of the
-/// present run. Beyond it, the errors of averages would not decrease with the length as expected. A recommendation of
-/// the longer run then also names a time between samples.
+/// present run. Beyond this factor, the errors of averages would not decrease with the length as expected. A
+/// recommendation of the longer run then also names a time between samples.
 const CLOSE: f64 = 1.1;
 
 /// [-] volume fraction up to which soft and hard spheres have nearly equal collision rates. The relative difference is
-/// about 5 % of the softness (docs/theory/softness.md).
+/// about 5 % of the softness (relative amount by which soft spheres act as smaller ones; docs/theory/softness.md).
 const DILUTE: f64 = 0.03;
 
-/// Compares every variant with its reference, which is another variant or a table of values. `others` contains all
-/// replicas (runs with different seeds) of each variant except the first. The averages in `outcomes` are already over
-/// all replicas. `margin` [-] is the largest difference that counts as equivalent, divided by the scale of each
-/// observable.
+/// Compares every variant with its reference, which is another variant or a table of values. `others` contains, for
+/// each variant, all its replicas (runs with different seeds) except the first replica. The averages in `outcomes` are
+/// already over all replicas. `margin` [-] is the largest difference that counts as equivalent, divided by the scale of
+/// each observable.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
     judge_at(outcomes, others, Criteria { margin, levels: ErrorLevels::default() })
 }
@@ -76,7 +76,7 @@ pub struct ReplicaRuns<'a> {
     /// Outcome of the first replica (run with one of the seeds). If there are several replicas, its averages are over
     /// all replicas.
     pub outcome: &'a Outcome,
-    /// Outcomes of all replicas (runs with different seeds) except the first.
+    /// Outcomes of all replicas (runs with different seeds) except the first replica.
     pub others: &'a [Outcome],
 }
 
@@ -117,7 +117,8 @@ fn one(runs: &[ReplicaRuns; 2], asked: Criteria) -> Verdict {
 }
 
 /// Compares the first of two variants with the second one. The comparison is by paths, curves or averages, depending on
-/// the number of particles and on the steadiness of the runs.
+/// the numbers of particles and replicas and on the steadiness of the runs. Runs with the same final state are
+/// equivalent.
 fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let both = [runs[0].outcome, runs[1].outcome];
     let [variant, reference] = both;
@@ -231,9 +232,9 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     }
 }
 
-/// Description, for a sentence, of a run whose averaging period is `stretch` [-] times that of `run`. It also
-/// recommends the time between samples (instants of measurement) of `run` if a longer run would have a much longer one
-/// by default.
+/// Description, for a sentence, of a run whose averaging period is `stretch` [-] times that of `run`. If the default
+/// time between samples (instants of measurement) of the longer run exceeds that of `run` by more than the factor
+/// [`CLOSE`], the text also recommends the time of `run`.
 fn longer(run: &Outcome, stretch: f64) -> String {
     let from = run.profiles.from;
     let mut experiment = run.experiment.clone();
@@ -258,7 +259,7 @@ fn unsteady(runs: &[&Outcome]) -> String {
 /// Remark that soft spheres in a dilute gas collide as often as hard ones, although they behave like smaller spheres in
 /// other ways. `None` in a dense gas, or unless a soft variant is compared with a hard reference.
 fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
-    // measured, since particles may come and go
+    // the volume fraction is measured, since particles may come and go
     let slices = &variant.stress.volume_fraction;
     let filled: f64 = slices.iter().flatten().map(|fraction| fraction.value).sum();
     let dilute = slices.iter().all(Option::is_some) && filled < DILUTE * slices.len() as f64;
@@ -270,8 +271,8 @@ fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     ))
 }
 
-/// Sentence on the wall time of a variant divided by that of its reference. `None` if either run stopped early, since
-/// its wall time is not that of the whole case.
+/// Sentence on the wall time of a variant divided by that of its reference, or on wall times that are too short for
+/// such a ratio. `None` if either run stopped early, since its wall time is not that of the whole case.
 fn costs(variant: &Outcome, reference: &Outcome) -> Option<String> {
     if [variant, reference].iter().any(|one| one.failure.is_some()) {
         return None;

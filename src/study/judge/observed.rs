@@ -1,5 +1,5 @@
-//! Comparison of the numbers that two steady runs measure because their case has a table `[observe]`, by the rule of
-//! the other averages. A variant is one of the experiments of a case.
+//! Comparison of the numbers that two steady runs measure because their case has a table `[observe]`, by the rule that
+//! also applies to the averages of every case. A variant is one of the experiments of a case.
 //!
 //! These numbers are tested together, with a separate error level (probability of a false difference) of 1 %, and are
 //! no part of the answer for the variants. So a further measurement changes neither this answer nor its probability of
@@ -13,7 +13,8 @@ use crate::output::ObservedDifference;
 use crate::output::numbers::with_error;
 use crate::statistics::{Answer, Batches, Estimate, Judged, Observable, compare};
 
-/// Largest number of quantities with one answer that a sentence names. The table of the report contains all of them.
+/// Largest number of quantities with the same answer that a sentence names. The table of the report contains all
+/// quantities.
 const NAMED: usize = 4;
 
 /// Remark on a reference value that is zero within its error, so that differences cannot be divided by it.
@@ -28,7 +29,7 @@ const STILL: &str = "no scatter within the runs: --replicas 8 gives errors";
 const SHORT: &str = "no standard error: too few samples";
 
 /// Differences of the numbers that two steady runs measure, in the order in which the variant (the first run) measures
-/// them.
+/// them. If a run stopped early, the answer "equivalent" becomes "unresolved".
 pub(super) fn judge(both: [&Outcome; 2], asked: Criteria) -> Vec<ObservedDifference> {
     let until = both[0].profiles.until.min(both[1].profiles.until);
     let mut found = observed_differences(both.map(|one| one.observations.as_slice()), until, asked);
@@ -83,8 +84,8 @@ impl SharedNumber<'_> {
         if self.values[1].is_zero_within_error() { 0.0 } else { self.values[1].value.abs() }
     }
 
-    /// True if a standard error other than 0 was not computed from averages over intervals of time. The number of
-    /// independent values is then not known, and the error counts as exactly known.
+    /// True if at least one of the two numbers has no averages over intervals of time, and its standard error is not 0.
+    /// The number of independent values is then not known, and the error counts as exactly known.
     fn is_stated(&self) -> bool {
         let each = self.numbers.iter().zip(&self.values);
         each.into_iter().any(|(number, value)| number.batches.is_none() && value.error != Some(0.0))
@@ -154,7 +155,8 @@ fn batches(number: &ObservedNumber, place: usize, until: f64) -> Option<Batches>
     number.batches.as_ref().map_or_else(stated, blocks)
 }
 
-/// Sentence on the differences of measured numbers of two variants with the given `names`; `None` if there are none.
+/// Sentence on the differences of measured numbers of two variants with the given `names`; `None` if there are no such
+/// numbers.
 pub(super) fn sentence(names: [&String; 2], found: &[ObservedDifference]) -> Option<String> {
     let group = |wanted: Option<Answer>, words: &str| {
         let all: Vec<&ObservedDifference> = found.iter().filter(|one| one.answer == wanted).collect();

@@ -77,8 +77,8 @@ fn observables(outcome: &Outcome, table: &ReferenceTable) -> Vec<(Observable, Ob
 }
 
 /// Profile of the run and profile of the table as two observables. Differences of velocities are divided by a velocity
-/// of the run, such as the mean slip, because velocities depend on the frame of reference. `None` if this divisor is
-/// not known, as without a measured velocity.
+/// of the run, such as the mean slip, because velocities depend on the frame of reference. `None` if the divisor is not
+/// known, for example without a measured velocity, or if it is not positive.
 fn profile(
     outcome: &Outcome,
     column: SliceColumn,

@@ -23,7 +23,7 @@ use side::{JudgeSide, SideData};
 use std::path::{Path, PathBuf};
 
 /// [-] margin of equivalence (largest accepted difference) that applies if neither the command line nor the settings
-/// give one. It is divided by the scale of a quantity, such as the magnitude of its value on side B.
+/// give one. It is a difference divided by the scale of the quantity, such as the magnitude of its value on side B.
 const MARGIN: f64 = 0.01;
 
 /// Compares the data of two sides and writes the report to one folder. Returns one answer for all quantities together,

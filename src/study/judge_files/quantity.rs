@@ -211,9 +211,10 @@ fn average(
 }
 
 /// Steadiness of all replicas (runs with different seeds) of a side together. Each entry of `spaced` belongs to one
-/// replica and contains its times and values. Averaging begins at `from` or, if it is `None`, at the time from which
-/// every replica is steady. Differences are divided by `scale` or, if it is `None`, by the mean of the replica. The
-/// side is steady if more than half of its replicas are, since one steady run in twenty appears unsteady by chance.
+/// replica: the time between two values, the times, and the values. Averaging begins at `from` or, if it is `None`, at
+/// the time from which every replica is steady. Differences are divided by `scale` or, if it is `None`, by the mean of
+/// the replica. The side is steady if more than half of its replicas are steady, since one steady run in twenty appears
+/// unsteady by chance.
 fn steadiness(spaced: &[(f64, &[f64], &[f64])], from: Option<f64>, scale: Option<f64>) -> Steadiness {
     let each: Vec<Steadiness> = spaced
         .iter()
@@ -244,7 +245,7 @@ fn correlation_time(interval: f64, values: &[f64], blocks: &Batches) -> Option<f
 }
 
 /// Averages of both sides as observables that can be tested. Differences are divided by the given scale or, without
-/// one, by the average of side B.
+/// one, by the magnitude of the average of side B.
 fn numbers(columns: &ComparedColumns, averages: &[SideAverage; 2]) -> [Observable; 2] {
     let value = averages[1].summary.mean.map_or(0.0, |mean| mean.value.abs());
     let (scale, scale_is) = columns.scale.map_or((value, "its value"), |scale| (scale, "the scale given"));

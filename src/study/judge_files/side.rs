@@ -76,7 +76,8 @@ pub struct MeasuredPoint {
 
 impl JudgeSide {
     /// Reads all files of one side (A or B) of a comparison. `argument` is a list of the files, separated by commas;
-    /// without it, the settings name the files.
+    /// without it, the settings `file` name the files, relative to `folder`. `key` is the letter of the side, for
+    /// messages.
     ///
     /// # Errors
     /// Returns an error if a file cannot be read, if it has no column of times, or if its times do not increase.
@@ -212,8 +213,9 @@ impl TimedTable {
         self.rows.iter().map(|row| self.table.number(*row, column, sources)).collect()
     }
 
-    /// Time between two rows, in the unit of `times`, and the range of rows from the time `from` on. A last row that
-    /// does not fit the spacing is left out, since some programs write a further row at the end of a run.
+    /// Time between two rows, in the unit of `times`, and the range of indices of `times` from the time `from` on
+    /// (`None`: all). With fewer than two such rows the time between rows is given as 1. A last row that does not fit
+    /// the spacing is left out, since some programs write a further row at the end of a run.
     ///
     /// # Errors
     /// Returns an error if the times are not equally spaced. Averages over time would then need weights.

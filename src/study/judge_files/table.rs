@@ -163,8 +163,8 @@ impl NumberTable {
         Ok(())
     }
 
-    /// Table that has only the rows of the variant `wanted`, if a column of the table names variants. Without a wanted
-    /// name, all rows must belong to one variant.
+    /// Table that has only the rows of the variant `wanted`, if a column of the table names variants. If `wanted` is
+    /// `None`, all rows must belong to the same variant.
     fn of_variant(self, wanted: Option<&str>) -> Result<Self, Diagnostic> {
         let Some(column) = self.columns.iter().position(|name| name == "variant") else {
             return match wanted {

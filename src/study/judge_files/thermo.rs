@@ -15,7 +15,7 @@ const YAML_HEADER: &str = "keywords:";
 
 impl NumberTable {
     /// Reads the rows of a LAMMPS log. A log may have several tables of thermo output, each of which ends at `Loop
-    /// time`; the rows are those of all tables whose header equals that of the last one. Returns false if the text
+    /// time`; the rows are those of all tables whose header equals that of the last table. Returns false if the text
     /// contains no header.
     pub(super) fn thermo(&mut self, text: &str, lines: &[Range<usize>], sources: &Sources) -> Result<bool, Diagnostic> {
         let line = |place: usize| text[lines[place].clone()].trim();

@@ -56,7 +56,8 @@ fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
 }
 
 /// Map of the decay rate of the anisotropy of soft spheres, divided by that of hard spheres, as a function of the
-/// overlap number κ_n. For spheres of mass m at the granular temperature T, it is sqrt(2/π) sqrt(mT/k)/d.
+/// overlap number κ_n. For spheres of mass m, diameter d and stiffness k at the granular temperature T, it is sqrt(2/π)
+/// sqrt(mT/k)/d.
 pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (kappas, count, seeds) =
         grid.choose((vec![0.05], 10_000, 6), (vec![0.003, 0.009, 0.02, 0.035, 0.05], 20_000, 48));
@@ -81,8 +82,8 @@ pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     })?;
     let (hard, soft) = runs.split_at(seeds.len());
     let row = |(&kappa, runs): (&f64, &[(f64, Option<Failure>)])| {
-        // all runs with one seed have the same start, and mostly the same first collisions. So most of the scatter
-        // cancels in the ratio
+        // all runs with the same seed have the same start and nearly the same first collisions, so a large part of the
+        // scatter cancels in the ratio
         let ratios: Vec<f64> = runs.iter().zip(hard).map(|(soft, hard)| soft.0 / hard.0).collect();
         let (ratio, error) = mean(&ratios, |ratio| *ratio);
         let s = softness(kappa);

@@ -138,8 +138,8 @@ const BIN: f64 = 2e-3;
 /// Number of bins of time in which the collisions of a bed are counted.
 const BINS: usize = 75;
 
-/// Collision rate of a bed of spheres in one bin of time, and energy conserved by the TC model (elastic collisions in
-/// quick succession).
+/// Collision rate of a bed of spheres in one bin of time, and energy saved by the TC model (elastic collisions in quick
+/// succession).
 struct CollapseInterval {
     /// [s] simulated time at the middle of the bin.
     at: f64,

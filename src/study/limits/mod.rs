@@ -1,9 +1,10 @@
 //! `diptych limits`: maps of the parameters with which each method fails. A point of a map is one or several runs, and
-//! every failure has a type.
+//! every failure has a type, such as `InelasticCollapse`.
 //!
 //! The scene of each map is a case file in `cases/limits/`. The heading of the file contains the question, the meaning
-//! of a point, and the columns of the table. A sweep is a set of points from which one or several maps are made. A file
-//! of this folder for each family of maps defines the changes from point to point, and the conclusion from the results.
+//! of a point, and the columns of the table. A sweep is a set of points from which one or several maps are made. For
+//! each family of maps, one file of this folder defines the changes from point to point and the conclusion from the
+//! results.
 
 mod anisotropy;
 mod collapse;
@@ -45,7 +46,7 @@ macro_rules! map {
     };
 }
 
-/// All sweeps (sets of points from which maps are made), in the order of the maps on the page.
+/// All sweeps (sets of points from which maps are made), in the order of the maps on the page of the report.
 const SWEEPS: [MapRun; 20] = [
     (&[map!("stability-verlet", "reduced_step,restitution,growth,limit")], stability::stability),
     (&[map!("stability-heun", "reduced_step,restitution,growth,limit")], stability::stability),
@@ -126,7 +127,7 @@ pub fn map(name: &str, grid: &Grid) -> Option<Result<Map, StudyError>> {
     sweep(one, grid).map(|maps| maps.into_iter().find(|map| map.name == name)).transpose()
 }
 
-/// Names of all maps, in the order of the page.
+/// Names of all maps, in their order on the page of the report.
 pub fn names() -> impl Iterator<Item = &'static str> {
     SWEEPS.iter().flat_map(|(entries, _)| entries.iter().map(|entry| entry.0))
 }

@@ -16,7 +16,7 @@ fn edges(values: &[f64], log: bool) -> Vec<(f64, f64)> {
     let end = |k: usize| {
         let below = if k > 0 { half(k - 1, k) } else { half(0, 1.min(last)) };
         let above = if k < last { half(k, k + 1) } else { below };
-        // the cell of a value that is not negative ends at zero
+        // the cell of a value that is not negative does not extend below zero
         let low = from(at[k] - below);
         (if values[k] >= 0.0 { low.max(0.0) } else { low }, from(at[k] + above))
     };

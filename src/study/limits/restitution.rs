@@ -17,9 +17,9 @@ use nalgebra::Vector3;
 /// colour in the map. The fifth class has larger errors.
 const CLASSES: [f64; 4] = [0.001, 0.005, 0.02, 0.05];
 
-/// Mean, least and largest realised restitution [-] of head-on impacts, and the first failure. The spheres first touch
-/// at `phases` equally spaced instants within a time step of `step` [s]. `e` is the given restitution, `steps` the
-/// number of steps per contact.
+/// Mean, least and largest realised restitution [-] of head-on impacts, and the failure of the first run that failed
+/// (`None` without a failure). The spheres first touch at `phases` equally spaced instants within a time step of `step`
+/// [s]. `e` is the given restitution, `steps` the number of steps per contact.
 fn rebounds(
     grid: &Points,
     phases: u32,

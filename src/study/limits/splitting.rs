@@ -1,5 +1,5 @@
 //! Error that comes from computing drag and straight flight one after the other (splitting), as a function of the
-//! window, the time between two kicks of drag.
+//! window, the time between two kicks (sudden changes of velocity) by the drag.
 
 use super::picture::{curve, curves};
 use super::scenes::{run, simulation};

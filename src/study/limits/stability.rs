@@ -21,8 +21,9 @@ const SQUEEZE: f64 = 0.005;
 /// disturbance has grown a hundredfold.
 const DISTURBANCE: f64 = 0.01;
 
-/// Number of time steps in the run of one point of the map. At ω_0 Δt = 0.1 without damping, Heun's method increases
-/// the disturbance by 1.25e-5 per step, a factor of 3.5 in all.
+/// Number of time steps in the run of one point of the map. At ω_0 Δt = 0.1 (time step Δt, undamped angular frequency
+/// ω_0 of the contact) and without damping, Heun's method increases the disturbance by 1.25e-5 per step, a factor of
+/// 3.5 in all.
 const STEPS: f64 = 1e5;
 
 /// [-] growth of the disturbance from which a point of the map counts as unstable. It is far from 1, the growth of a
@@ -30,7 +31,7 @@ const STEPS: f64 = 1e5;
 const GROWS: f64 = 2.0;
 
 /// [-] restitution of the contact with one of the two walls. Both contacts together then act as one contact of the
-/// given `restitution` [-]. The damping ratio of one contact is that of both divided by √2.
+/// given `restitution` [-]. The damping ratio of one contact is that of both contacts together, divided by √2.
 fn of_one(restitution: f64) -> f64 {
     let damping = damping_ratio(restitution) / 2.0f64.sqrt();
     (-PI * damping / (1.0 - damping * damping).sqrt()).exp()

@@ -108,7 +108,7 @@ fn overlap(stepped: &[(f64, &[SteppedRun])]) -> MapSweep {
         let (overlap, error) = mean(runs, |seen| seen.overlap);
         let (deepest, _) = mean(runs, |seen| seen.deepest);
         // expected relative overlap π θ/4: half a time step Δt = θ d/u_r at the mean normal speed of impact sqrt(π T),
-        // with u_r = sqrt(4T/π)
+        // with u_r = sqrt(4T/π), granular temperature T and diameter d
         vec![theta, overlap, error, deepest, PI / 4.0 * theta]
     });
     let lesson = rows.iter().find(|row| row.values[0] == 0.3).map_or(String::new(), |row| {

@@ -82,7 +82,7 @@ fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result
             place(case, vec![(Vector3::new(2e-3, MIDDLE + height, 2e-3), Vector3::new(0.0, -speed, 0.0))]);
             case.soft.time_step = TimeStep::PerContact(steps);
         }))?;
-        // time of two steps to the plate, two steps behind it, and one and a half contacts
+        // time of two steps to the plate, two steps behind it, and one and a half contact times
         let duration = step * (4.0 + (1.5 * steps).ceil());
         let mut why = run(&mut simulation, 1, 4.0 * step);
         let below = simulation.particles.position[0].y < MIDDLE && simulation.particles.velocity[0].y < 0.0;

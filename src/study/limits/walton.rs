@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// [-] largest errors of Walton's rule in the first four classes, each of which has its own colour in the map. An error
-/// is divided by the largest friction impulse.
+/// is that of the tangential impulse, divided by the largest friction impulse.
 const CLASSES: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
 
 /// [-] ratio M_t/M for a solid sphere: effective mass of the slip divided by that of the normal motion

@@ -1,9 +1,9 @@
 //! Built-in factors of a sensitivity study. A factor is a change of the case; the change has a size, and a reason for
 //! this size.
 //!
-//! If the case is idealised (restitution 1, no friction), a factor sets a real value. If the case has a real value, the
-//! factor changes it by the uncertainty of measurements. If a factor makes no sense for a scene, its function returns
-//! the reason. The paper is the channel study of docs/paper.md.
+//! If the case is idealised (restitution 1, no friction), a factor sets a value of real particles. If the case has such
+//! a value, the factor changes it by the uncertainty of measurements. If a factor makes no sense for a scene, its
+//! function returns the reason. The paper is the channel study of docs/paper.md.
 
 use super::plan::{PlannedFactor, SensitivityPlan};
 use super::rotating::{rolling, rotation, tangential_restitution, tangential_stiffness};

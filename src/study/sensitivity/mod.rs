@@ -1,8 +1,8 @@
 //! `diptych sensitivity` shows in one chart which factors have the largest effect; `diptych needs` finds the models
-//! that a scene needs.
+//! (such as friction, rotation or lift) that a scene needs.
 //!
-//! A factor is a change of the case. The run with this change is compared with the run of the unchanged case. All runs
-//! are done concurrently, and all shifts of observables are judged together.
+//! A factor is a change of the case. The run with this change is compared with the run of the unchanged case; the
+//! difference of an observable is its shift. Runs are done concurrently, and all shifts are judged together.
 
 mod factors;
 mod needs;
@@ -56,7 +56,8 @@ impl Question {
 }
 
 /// Begins or resumes a study that answers `question`, and writes its results to one folder. Runs that are complete are
-/// not repeated. Returns one answer for all factors together, or `None` without a factor.
+/// not repeated. Returns one answer for all factors together, or `None` without a factor, in a helper process, or if
+/// only the plan is printed.
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or for failures of engines, after everything has been
@@ -125,8 +126,9 @@ fn runs(plan: &SensitivityPlan, first: usize) -> Result<Vec<ResumableRun>, Study
     Ok(runs)
 }
 
-/// Does all runs of the plan concurrently, and writes the results from time to time. If the user stops the command,
-/// incomplete runs are stored, and their results are left out.
+/// Does all runs of the plan concurrently, and writes the results so far when the last writing is older than
+/// [`INTERVAL`]. If the user stops the command, the states of incomplete runs are stored, and these runs give no
+/// results.
 fn run_all(executor: &Executor, table: &mut SensitivityTable) -> Result<(), StudyError> {
     let replicas = usize::from(table.plan.replicas);
     let all: Vec<usize> = (0..replicas * table.plan.runs.len()).collect();

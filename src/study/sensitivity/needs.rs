@@ -16,7 +16,8 @@ use std::collections::BTreeMap;
 const CHEAPEST: &str = "cheapest";
 
 /// Chooses the models that can be left out together, and compares a run without them with the run of the richest case,
-/// which has all models. If the user stops the command, the run is stored and stays incomplete.
+/// which has all models. If the user stops the command, the run is stored and stays incomplete. There is no such run if
+/// fewer than two models are chosen, or if the case cannot do without all of them together.
 ///
 /// # Errors
 /// Returns an error if the run cannot begin or cannot be stored.
@@ -30,7 +31,8 @@ pub fn confirm(executor: &mut Executor, table: &mut SensitivityTable) -> Result<
     }
     let known = table.plan.runs.len();
     let all = by.iter().collect::<Vec<_>>();
-    // a case may refuse to leave out these models together; the conclusion is then that for each model alone
+    // a case may refuse to leave out these models together; there is then a conclusion for each model alone, but none
+    // for all together
     let Ok(run) = table.plan.simplified(CHEAPEST, &all) else { return Ok(()) };
     let change = format!("without {}", titles.join(", "));
     let why = "each of them alone is below the margin, and so is the sum of their shifts";
@@ -54,9 +56,9 @@ pub fn confirm(executor: &mut Executor, table: &mut SensitivityTable) -> Result<
     Ok(())
 }
 
-/// Factors whose models can be left out together, beginning with the one that saves the most time. The shifts of each
-/// factor are below the margin (largest accepted shift). For every observable, the magnitudes of the shifts by these
-/// factors add up to at most the margin.
+/// Factors whose models can be left out together, beginning with the factor that saves the most wall time. The shifts
+/// of each factor are below the margin (largest accepted shift). For every observable, the magnitudes of the shifts by
+/// these factors add up to at most the margin.
 fn superfluous<'a>(
     planned: &'a [PlannedFactor],
     factors: &[Factor],

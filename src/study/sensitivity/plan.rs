@@ -121,7 +121,7 @@ impl<'a> SensitivityPlan<'a> {
     /// Plans the runs of the factors that the user has requested.
     ///
     /// # Errors
-    /// Returns an error if the unchanged case cannot run. It also returns one if a requested factor is unknown, is
+    /// Returns an error if the unchanged case cannot run. It also returns an error if a requested factor is unknown, is
     /// named twice, or makes no sense for the case.
     pub fn new(case: &'a Case, args: &Sensitivity) -> Result<(Self, Checked), StudyError> {
         let seed = args.runs.effort.seed;

@@ -11,7 +11,7 @@ const TANGENTIAL_ERROR: f64 = 0.07;
 /// [-] stiffness ratio κ = k_t/k_n of elastic spheres: 2(1-ν)/(2-ν) for Poisson's ratio ν = 0.3 (Mindlin 1949).
 const ELASTIC_RATIO: f64 = 0.8235;
 /// [-] stiffness ratio κ = k_t/k_n for which the normal and the tangential spring of solid spheres have equal periods.
-/// Many soft-sphere codes use it (Schäfer, Dippel and Wolf 1996, J. Phys. I 6, 5).
+/// Many soft-sphere codes use this ratio (Schäfer, Dippel and Wolf 1996, J. Phys. I 6, 5).
 const EQUAL_PERIODS: f64 = 0.2857;
 /// [-] rolling friction coefficient so small that its torque is below rounding errors.
 const NO_TORQUE: f64 = 1e-15;
@@ -37,7 +37,7 @@ pub fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planne
     Ok(PlannedFactor::against(first, run, change, "glass, Foerster et al. 1994"))
 }
 
-/// Plans the run with a changed tangential restitution β_0, that of the impact rule or, if the rule has none, that of
+/// Plans the run with a changed tangential restitution β_0: that of the impact rule or, if the rule has none, that of
 /// the tangential spring. `size` is the new value as typed by the user; `None` means a change by the error of
 /// measurements.
 pub fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {

@@ -152,7 +152,8 @@ fn by_speed(experiment: &Experiment) -> Richer {
     }
 }
 
-/// Replaces every restitution that depends on the speed by a constant, its value at the usual speed of impact.
+/// Replaces every restitution that depends on the speed by a constant: its value at the typical impact speed of the
+/// case, which predictions use.
 fn at_usual_speed(experiment: &mut Experiment) {
     let scene = &mut experiment.scene;
     let walls = scene.walls.iter_mut().map(|wall| &mut wall.surface);

@@ -8,8 +8,9 @@ use crate::statistics::{Answer, LEVEL, holm};
 use crate::study::judge::{ReplicaRuns, ShiftReference, Shifts, widened};
 
 /// Factors (changes of the case) whose runs are complete, with their shifts and answers, and the names of all other
-/// factors. The factors with the largest effects come first. `outcomes` has the outcomes of each run by replica (run
-/// with its own seed), and `pooled` the outcome averaged over the replicas of a run.
+/// factors. Factors with a shift beyond the margin (largest accepted shift) come first, then unresolved ones; those
+/// whose run stopped come last. `outcomes` has the outcomes of each run by replica (run with its own seed), and
+/// `pooled` the outcome averaged over the replicas of a run.
 pub fn factors(
     plan: &SensitivityPlan,
     pooled: &[Option<Outcome>],
@@ -168,7 +169,8 @@ mod tests {
         // line 7 - 0.5 x: its value at 0 is 0.5 higher than at 1
         let on_it = [6.5, 6.0, 5.0];
         assert!((dot(&line.to_zero, on_it) - 0.5).abs() < 1e-12 && dot(&line.miss, on_it).abs() < 1e-12);
-        // the slope of a bent line has the error of least squares, s²/Σ(x - <x>)², with s² the sum of squared residuals
+        // the slope of a bent line has the squared error of least squares, s²/Σ(x - <x>)², with s² the sum of squared
+        // residuals
         let bent = [0.0, 1.0, 0.0];
         let miss = dot(&line.miss, bent);
         let slope = -dot(&line.to_zero, bent);

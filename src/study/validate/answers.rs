@@ -8,8 +8,8 @@ use crate::statistics::{Answer, Deviation, EQUIVALENCE_LEVEL, LEVEL, holm};
 const STATED: f64 = 1000.0;
 
 /// Sets the answers of the numbers of one row of a suite with `rows` rows. The probability of any false difference in
-/// the whole suite is 1 %. Each row has an equal share of this probability, which Holm's procedure divides among the
-/// numbers of the row.
+/// the whole suite is at most 1 %. Each row has an equal share of this probability, which Holm's procedure divides
+/// among the numbers of the row.
 pub fn judge_numbers(numbers: &mut [ValidationNumber], rows: usize) {
     let deviations: Vec<Deviation> = numbers.iter().map(deviation).collect();
     let chances: Vec<f64> = deviations.iter().map(Deviation::chance).collect();
@@ -60,7 +60,8 @@ mod tests {
     #[test]
     fn a_reading_error_leaves_a_small_difference_unresolved() {
         assert_eq!(answer(read_off("n", "", (1.0, 0.01), 1.02, 0.05)), Answer::Equivalent);
-        // 0.04 + 1.65 errors is beyond the margin (largest accepted difference), and a difference needs four errors
+        // the deviation 0.035 plus 1.65 standard errors is beyond the margin (largest accepted difference), and a
+        // difference needs 3.6 standard errors
         assert_eq!(answer(read_off("n", "", (1.0, 0.01), 1.035, 0.05)), Answer::Unresolved);
         assert_eq!(answer(read_off("n", "", (1.0, 0.01), 1.06, 0.05)), Answer::Different);
     }

@@ -46,10 +46,11 @@ fn rate_at(v: f64) -> f64 {
 /// divided by that of Haff's law. `ratio` [-] is t_c divided by the mean time between two collisions of a sphere, and
 /// `loss` [-] is 1 - e² with the restitution e.
 ///
-/// A sphere that collides changes its speed. Spheres of one speed collide at the rate ν. In a steady gas, equally many
-/// spheres get this speed by a collision. So the share exp(-ν t_c) of them has not collided during the last time t_c.
-/// In a cooling gas the number f of these spheres changes, and spheres get this speed at the rate ν + d(ln f)/dt per
-/// sphere. For a Maxwellian with speed v and granular temperature T the second term is (v²/(2T) - 3/2) d(ln T)/dt.
+/// A sphere that collides changes its speed. Spheres of one speed collide at the rate ν. In a steady gas, as many
+/// spheres get this speed by a collision as lose it. So the share exp(-ν t_c) of them has not collided during the last
+/// time t_c. In a cooling gas the number f of these spheres changes, and spheres get this speed at the rate ν + d(ln
+/// f)/dt per sphere. For a Maxwellian with speed v and granular temperature T the second term is (v²/(2T) - 3/2) d(ln
+/// T)/dt.
 fn share_of_loss(ratio: f64, loss: f64) -> f64 {
     // each repetition multiplies the error by about (1 - e²) times `ratio`
     (0..4).fold(1.0, |share, _| share_with_cooling(ratio, loss * share / 3.0))

@@ -49,8 +49,8 @@ fn slide_to_roll(scene: &CheckScene) -> Result<CheckResult, StudyError> {
             }
         }
         let [velocity, surface] = rolling(&simulation, radius);
-        // when sliding ends, the stretched spring causes an oscillation of the amplitude μ g sqrt(m/(3.5 k_t)), here
-        // 1e-4 of the speed, which its dashpot damps
+        // when sliding ends, the stretched spring causes an oscillation of the amplitude μ g sqrt(m/(3.5 k_t)) with its
+        // stiffness k_t, here 1e-4 of the speed, which its dashpot damps
         let tolerance = 1e-4 * speed;
         numbers.push(exact(format!("v at t_s/2, μ = {friction}"), "m/s", 6.0 / 7.0 * speed, halfway, tolerance));
         numbers.push(exact(format!("v at 2 t_s, μ = {friction}"), "m/s", 5.0 / 7.0 * speed, velocity, tolerance));

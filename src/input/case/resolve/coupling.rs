@@ -10,7 +10,7 @@ use crate::schedule::longest_for_coupling;
 use nalgebra::Vector3;
 
 impl Resolver {
-    /// Two-way coupling between particles and a gas with this profile; `None` if the case asks for one-way coupling.
+    /// Two-way coupling between particles and a gas with this profile; `None` if the case requests one-way coupling.
     ///
     /// # Errors
     /// A gas without drag, or a profile without a solution of the k-ε model.

@@ -30,7 +30,9 @@ impl Resolver {
         Err(self.refuse(typed, why).help("take \"y\" out of domain.periodic, or use a uniform profile"))
     }
 
-    /// Profile of the turbulent flow through a pipe in the domain; `nu` is the kinematic viscosity ν of the gas [m²/s].
+    /// Profile of the turbulent flow through a pipe in the domain. `number` is the bulk Reynolds number; `nu` is the
+    /// kinematic viscosity ν of the gas [m²/s]. Without a `diameter`, the pipe is as wide as the domain along y;
+    /// without a `center`, it is in the middle.
     pub(super) fn pipe(
         &self,
         number: &Located<Ratio>,

@@ -21,7 +21,7 @@ pub const MOST: f64 = 1e9;
 const MOST_LOCAL: f64 = 1e15;
 
 /// Source position of the interval of samples (instants of measurement) or of trajectory frames, if it alone makes too
-/// many windows; windows end at these instants.
+/// many windows; `None` otherwise. Windows end at these instants.
 fn too_often<'a>(file: &'a CaseFile, experiment: &Experiment) -> Option<&'a Origin> {
     let duration = experiment.run.duration;
     let samples = file.statistics.as_ref().and_then(|typed| typed.value.sample_interval.as_ref());

@@ -240,7 +240,7 @@ impl Resolver {
         }
     }
 
-    /// Checks that a mesh is of about the size of the domain, and not wholly outside.
+    /// Checks that a mesh has the size of the domain within a factor of 100, and is not wholly outside.
     fn check_extent(&self, mesh: &Located<MeshFile>, made: &Mesh, domain: &Domain) -> Result<(), Diagnostic> {
         let [low, high] = made.bounds();
         let unit = self.need(&mesh.value.unit, "mesh.unit")?;
@@ -269,8 +269,8 @@ impl Resolver {
         Ok(())
     }
 
-    /// Checks that a mesh is of about the size of the domain, not wholly outside, and not too near its own periodic
-    /// images. A mesh around the particles must be between the periodic sides.
+    /// Checks that a mesh has the size of the domain within a factor of 100, and is neither wholly outside nor too near
+    /// its own periodic images. A mesh around the particles must be between the periodic sides.
     fn check_bounds(
         &self,
         mesh: &Located<MeshFile>,

@@ -176,8 +176,8 @@ fn vector<const M: i8, const K: i8, const S: i8>(three: &Three<Quantity<M, K, S>
 }
 
 impl Resolver {
-    /// Returns the value of a required key. Missing keys have been refused before, all in one message, so this function
-    /// hardly ever fails.
+    /// Returns the value of a required key. Keys that every case requires have been checked before, all in one message.
+    /// So an error here is about a key that only some cases require.
     fn need<'a, T>(&self, value: &'a Option<T>, key: &str) -> Result<&'a T, Diagnostic> {
         value.as_ref().ok_or_else(|| Diagnostic::about("the case", format!("the required key `{key}` is missing")))
     }
@@ -228,7 +228,8 @@ impl Resolver {
         Err(self.refuse(value, format!("is out of range; allowed: {allowed}")).help(help.as_ref()))
     }
 
-    /// Whole number of a key, if it is within `from ..= to`.
+    /// Whole number of a key within `from ..= to`. If the number is out of range, the error contains the range and the
+    /// remedy `help`.
     fn whole(&self, value: &Located<i64>, from: i64, to: i64, help: &str) -> Result<usize, Diagnostic> {
         if (from..=to).contains(&value.value) {
             return Ok(value.value as usize);
@@ -237,7 +238,8 @@ impl Resolver {
     }
 
     /// Reads the text of the file `name`, and returns its source index and the text. The path is relative to the folder
-    /// of the file that contains the name. A name in a built-in text refers to a built-in file.
+    /// of the file that contains the name. A name in a built-in text refers to a built-in file. If a calling program
+    /// has given a table of this name, that table is returned instead.
     fn read_named(&mut self, name: &Located<String>) -> Result<(usize, Arc<str>), Diagnostic> {
         if let Some(given) = self.sources.table(&name.value) {
             return Ok(given);

@@ -33,7 +33,7 @@ const MOST_COLUMNS: f64 = 500.0;
 const FEWEST_SAMPLES: f64 = 10.0;
 
 impl Resolver {
-    /// Settings of the measurements that a case asks for in addition to the standard ones.
+    /// Settings of the measurements that a case requests in addition to the standard ones.
     ///
     /// # Errors
     /// Settings out of range, or a scene in which the measurement has no meaning.
@@ -67,7 +67,7 @@ impl Resolver {
         })
     }
 
-    /// Refuses a measurement that needs a box that is periodic along all axes, if the box is not.
+    /// Refuses a measurement that needs a box that is periodic along all axes, unless the box of the scene is so.
     fn refuse_sides<T>(&self, typed: &Located<T>, scene: &Scene) -> Result<(), Diagnostic> {
         if scene.domain.periodic == [true; 3] {
             return Ok(());
@@ -96,7 +96,7 @@ impl Resolver {
         let help = format!("a length such as \"{}\", half the shortest edge of the box", length(half));
         self.in_range(reach, &help)?;
         let allowed = format!("up to {half:.6e} m, half the shortest edge of the box");
-        // half a decimal number and the decimal number typed for it may differ by rounding
+        // half an edge of the box and the decimal number typed for it may differ by rounding
         let reach = self.checked(reach, |reach| reach <= half * (1.0 + 1e-9), &allowed, &help)?.min(half);
         let bins = self.bins(&typed.value.bins, 100)?;
         self.refuse_sides(typed, scene)?;

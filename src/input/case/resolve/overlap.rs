@@ -15,9 +15,9 @@ use std::ops::ControlFlow;
 /// [-] largest overlap over the smaller diameter that counts as the rounding error of two touching bodies. Positions
 /// written after a long run have this accuracy.
 const ROUNDING: f64 = 1e-9;
-/// Number of close pairs per particle above which a start is refused without examining the rest. Close particles are in
-/// one cell or in neighbouring cells, one diameter wide. Spheres without overlap fill at most 0.74 of these 27 cells.
-/// Among equal spheres, each then has fewer than 40 others near it.
+/// Number of close pairs per particle after which the search for overlaps ends, if it has found an overlap of more than
+/// half a diameter. Close particles are in one cell or in neighbouring cells, one diameter wide. Spheres without
+/// overlap fill at most 0.74 of these 27 cells. Among equal spheres, each then has fewer than 40 others near it.
 const ENOUGH: usize = 100;
 /// [-] largest overlap over the smaller diameter with which the soft engine starts from positions given by the user.
 /// The particles then start within a contact.
@@ -26,7 +26,7 @@ const SOFT_LIMIT: f64 = 0.01;
 /// Rule by which overlaps in the initial state are accepted or refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Rule {
-    /// The usual rule: hard spheres may not overlap, while soft spheres may start in a contact.
+    /// The default rule: hard spheres may not overlap, while soft spheres may start in a contact.
     Events,
     /// Hard spheres of a saved state may overlap, because the stepped engine finds overlaps at the ends of steps.
     Steps,
@@ -53,8 +53,8 @@ enum OverlappedBody {
 }
 
 impl Resolver {
-    /// Checks every placed particle, and returns the number of overlaps. Positions must be inside the box along
-    /// periodic axes.
+    /// Checks every placed particle, and returns the number of overlaps beyond rounding. Positions must be inside the
+    /// box along periodic axes.
     pub(super) fn check_placed(&mut self, placed: &[Placed], scene: &Scene, rule: Rule) -> Result<usize, Diagnostic> {
         let mut worst: Option<InitialOverlap> = None;
         let mut count = 0;

@@ -66,7 +66,8 @@ impl Resolver {
         Ok(())
     }
 
-    /// Species of a pair, and its partners: another species, or all walls with the given name.
+    /// Pairs of bodies that a table names: the index of a species, with its partner. The partner is another species, or
+    /// one of the walls with the given name.
     fn between(
         &self,
         file: &CaseFile,

@@ -49,8 +49,9 @@ fn near_offset(there: &[f64], here: &[f64], period: f64) -> bool {
 }
 
 impl Resolver {
-    /// Particles in the file `name` that belong to the species with the given `index`, in the order of their ids. If the
-    /// table has no column of species, all rows belong to this species. `kinds` are the kinds of particles of the case.
+    /// Particles in the file `name` that belong to the species with the given `index`, in the order of their ids. If
+    /// the table has no column of species, all rows belong to this species. `kinds` are the kinds of particles of the
+    /// case. The particles are also added to `particles`.
     pub(super) fn placed_in_file(
         &mut self,
         name: &Located<String>,
@@ -120,7 +121,8 @@ impl Resolver {
         Ok(table)
     }
 
-    /// Index of the species that a row names, by its name or by its index; `None` if the table has no such column.
+    /// Index of the species that a row names, by its name or by its index; `None` if the table has no column of
+    /// species.
     fn species_of(&self, row: TableRow<'_>, scene: &Scene) -> Result<Option<usize>, Diagnostic> {
         let Some(of) = row.text(OF_SPECIES) else { return Ok(None) };
         let named = scene.species.iter().position(|kind| kind.name == of);
@@ -134,7 +136,7 @@ impl Resolver {
         }
     }
 
-    /// Id of the particle in a row; `None` if the table has no such column.
+    /// Id of the particle in a row; `None` if the table has no column of ids.
     fn id(&self, row: TableRow<'_>) -> Result<Option<u64>, Diagnostic> {
         let Some(text) = row.text(OF_ID) else { return Ok(None) };
         let refuse = |_| {
@@ -300,7 +302,7 @@ impl Resolver {
             let (there, here_m) = (edges(value), edges(here));
             let near = there.len() == here_m.len()
                 && there.iter().zip(&here_m).all(|(a, b)| (a - b).abs() <= SINGLE * b.abs());
-            // images are displaced by whole periods too
+            // a displacement of the image by whole periods of the box changes nothing
             let slides = key == "image_offset_m" && near_offset(&there, &here_m, scene.domain.size.z);
             if value != here && !(key == "box_m" && near) && !slides {
                 let said = |text: &str| if text.is_empty() { "none".to_owned() } else { text.to_owned() };

@@ -17,7 +17,8 @@ use crate::scene::Scene;
 use nalgebra::Vector3;
 
 impl Resolver {
-    /// True if spheres of the case rotate.
+    /// True if spheres of the case rotate. If the case does not give the key `contact.rotation`, spheres rotate if it
+    /// has a tangential, rolling or twisting law, or an impact rule.
     pub(super) fn rotates(file: &CaseFile) -> bool {
         let typed = file.contact.as_ref().and_then(|contact| contact.value.rotation.as_ref());
         let tangential = file.soft.as_ref().is_some_and(|soft| {
@@ -61,7 +62,8 @@ impl Resolver {
         self.in_range(typed, help)
     }
 
-    /// [rad/s] spin of a particle with a given position; zero if the case gives no spin.
+    /// [rad/s] spin of a particle with a given position; zero if the case gives no spin. Warns about a spin if spheres
+    /// of the case do not rotate.
     pub(super) fn spin(&mut self, typed: Option<&Three<Spin>>, scene: &Scene) -> Result<Vector3<f64>, Diagnostic> {
         let Some(typed) = typed else { return Ok(Vector3::zeros()) };
         for component in &typed.value {

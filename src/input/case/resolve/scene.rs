@@ -72,8 +72,8 @@ impl Resolver {
         Ok((shear || spin).then_some(Lift { shear, spin }))
     }
 
-    /// Adds the added mass to the species of the scene, if the case requests it. Otherwise a warning is given if added
-    /// mass matters at the density of the fluid.
+    /// Adds the added mass to the species of the scene, if the case requests it. If the case does not mention it, a
+    /// warning is given for species whose added mass exceeds 1 % of their mass.
     ///
     /// # Errors
     /// Added mass without buoyancy, since both are forces of the displaced gas.
@@ -108,8 +108,8 @@ impl Resolver {
         Ok(())
     }
 
-    /// Adds buoyancy to the scene, unless the case leaves it out. If the case does so, a warning is given if buoyancy
-    /// matters at the density of the fluid.
+    /// Adds buoyancy to the scene, unless the case leaves it out. If the case does so, a warning is given for species
+    /// whose buoyancy exceeds 1 % of their weight.
     pub(super) fn buoyancy(&mut self, file: &CaseFile, scene: &mut Scene) {
         let Some(typed) = file.fluid.as_ref().and_then(|fluid| fluid.value.buoyancy.as_ref()).filter(|on| !on.value)
         else {

@@ -88,7 +88,7 @@ pub fn text_of(bytes: &[u8]) -> Result<Arc<str>, String> {
     match std::str::from_utf8(bytes) {
         Ok(text) => {
             let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-            // a lone CR at the end of a line becomes LF, so that line numbers in messages are correct
+            // in a text without LF, each CR ends a line: it becomes LF, so that line numbers in messages are correct
             Ok(if text.contains('\n') { text.into() } else { text.replace('\r', "\n").into() })
         }
         Err(error) => {

@@ -53,7 +53,7 @@ impl Resolver {
     fn langevin(&self, typed: &LangevinFile) -> Result<Langevin, Diagnostic> {
         let mut langevin = Langevin::default();
         if let Some(constant) = &typed.kolmogorov_constant {
-            // values from flows of increasing Reynolds number: Pope 1994, Annu. Rev. Fluid Mech. 26, 23
+            // the values in use are from flows of different Reynolds numbers: Pope 1994, Annu. Rev. Fluid Mech. 26, 23
             langevin.kolmogorov_constant = self.in_range(constant, "values from 2 to 7 are in use")?;
         }
         if let Some(ratio) = &typed.time_scale_ratio {

@@ -133,7 +133,8 @@ impl Resolver {
         Ok(Some(ThermalWall { temperature, seed: 0 }))
     }
 
-    /// [m/s] velocity of the surface of a wall whose shape does not move. The velocity must be parallel to the surface.
+    /// [m/s] velocity of the surface of a wall whose shape does not move; zero if the case gives none. The velocity
+    /// must be parallel to the surface.
     fn wall_velocity(&self, wall: &WallFile, geometry: &WallGeometry) -> Result<Vector3<f64>, Diagnostic> {
         let Some(typed) = &wall.velocity else { return Ok(Vector3::zeros()) };
         for component in &typed.value {

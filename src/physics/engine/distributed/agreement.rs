@@ -8,8 +8,9 @@ use super::ghost_islands::{HotParticleDigest, agree_with, tell};
 use super::packing::{packed, unpacked};
 use crate::engine::islands::{IslandFinder, Reach};
 
-/// [-] factor by which the distance within which a process copies particles of others exceeds the distance needed in
-/// the last part (piece of a window). To repeat a part costs more than to copy a few particles too many.
+/// [-] ratio of two distances from the block (region of the box) of a process: that within which it copies particles of
+/// other processes, and that needed in the last part (piece of a window). To repeat a part costs more than to copy a
+/// few particles too many.
 const SPARE: f64 = 1.25;
 
 /// Joint decision of all processes, after each has tried to solve its islands (groups of particles that may meet) in a
@@ -19,8 +20,9 @@ pub enum PartDecision {
     Done,
     /// This piece of the window must be computed again, with particles copied from other processes farther away.
     Again,
-    /// Islands (groups of particles that may meet) are not used in this piece of the window. One of them is too large
-    /// or reaches beyond half a period of the box, or the engine failed.
+    /// The islands (groups of particles that may meet) of this piece of the window are given up: one is too large or
+    /// reaches beyond half a period of the box, or the engine failed. Or the results differ although each process
+    /// stores all particles. The caller then tries a shorter piece.
     Failed,
 }
 
@@ -35,15 +37,15 @@ struct LocalStatus {
     /// True if an island (group of particles that may meet) is too large, or the engine failed.
     failed: bool,
     /// True if other processes have obtained equal results for the islands (groups of particles that may meet) with
-    /// particles of this process.
+    /// particles of this process, and this process stores all particles in contact with its own.
     agrees: bool,
 }
 
 impl<C> Domains<C> {
     /// Returns the joint decision of all processes about a part, a piece of a window that they have tried to compute.
-    /// The part is accepted, repeated with particles from farther away, or computed without islands. `failed` is true
-    /// if, in this process, an island (group of particles that may meet) is too large or the engine failed. All
-    /// processes must call this function.
+    /// The part is accepted, repeated with particles from farther away, or given up. `failed` is true if, in this
+    /// process, an island (group of particles that may meet) is too large or the engine failed. All processes must call
+    /// this function.
     pub fn decide<'a>(
         &mut self,
         islands: &impl IslandFinder<'a>,
@@ -57,8 +59,8 @@ impl<C> Domains<C> {
     }
 
     /// True if other processes have obtained equal results for the islands (groups of particles that may meet) with
-    /// particles of this process. All processes must call this function at the same time; a process for which `failed`
-    /// is true sends no results.
+    /// particles of this process. All processes must call this function at the same time. A process for which `failed`
+    /// is true sends no results, and the function returns false there.
     fn compare<'a>(&self, islands: &impl IslandFinder<'a>, view: &LocalParticles<C>, failed: bool) -> bool {
         let mut told: Vec<Vec<HotParticleDigest>> = vec![Vec::new(); self.communicator.size()];
         if !failed {
@@ -78,8 +80,8 @@ impl<C> Domains<C> {
     }
 
     /// Derives the joint decision of all processes about a part (piece of a window) from the result `opinion` of this
-    /// process and those of the others. Adapts the distance from which this process copies particles of other
-    /// processes. `half_period` [m] is half the shortest period of the box, and `size` [m] its longest edge.
+    /// process and the results of the other processes. Adapts the distance from which this process copies particles of
+    /// other processes. `half_period` [m] is half the shortest period of the box, and `size` [m] its longest edge.
     fn vote(&mut self, opinion: &LocalStatus, half_period: f64, size: f64) -> PartDecision {
         let LocalStatus { reach, room, failed, agrees } = *opinion;
         let flag = |set: bool| if set { 1.0 } else { 0.0 };

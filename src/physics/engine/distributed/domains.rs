@@ -41,8 +41,8 @@ const SEEN_AT_FIRST: f64 = 10.0;
 /// ghosts, copies of particles of other processes.
 const FEWEST: usize = 200;
 
-/// Division of a run among several processes; `C` is the type of contacts carried from one interval of time to the
-/// next.
+/// Division of a run among several processes; `C` is the type of the state that is carried from one interval of time to
+/// the next, such as contacts in progress.
 pub struct Domains<C> {
     pub(super) communicator: Arc<dyn Communicator>,
     /// Blocks of the box, one per process.
@@ -70,10 +70,10 @@ pub struct LocalParticles<C> {
     /// Number of particles in the store at the start of the part (interval of time), before those of other processes
     /// were copied.
     pub(super) count: usize,
-    /// Carried contacts at the start of the part (interval of time): those among own particles, and those between an
-    /// own particle and one of another process.
+    /// Contacts in progress (or other carried state) at the start of the part (interval of time): those among own
+    /// particles, and those between an own particle and one of another process.
     pub(super) lasting: (Vec<C>, Vec<CrossRankContact<C>>),
-    /// Index in the store of each particle that another process owns, by the id of the particle.
+    /// Index in the store of each stored particle that another process owns, by the id of the particle.
     pub(super) strangers: FxHashMap<u32, u32>,
     /// True if all particles that have a carried contact with an own particle are in the store.
     pub complete: bool,
@@ -129,9 +129,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 
     /// Sends particles that have left the block (region of the box) to the processes that now own them. Copies from
-    /// other processes those particles whose flights have their middle within `width` of the block. Flights last `part`
-    /// [s], in a frame with the velocity `frame` [m/s]. `flight` [m] is the largest distance of a flying particle from
-    /// the middle of its flight. Returns the description of the particles now in the store.
+    /// other processes those particles whose flights have their middle within the distance `self.width` of the block.
+    /// Flights last `part` [s], in a frame with the velocity `frame` [m/s]. `flight` [m] is the largest distance of a
+    /// flying particle from the middle of its flight. Returns the description of the particles now in the store.
     pub fn trade<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,
@@ -163,7 +163,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
             agrees &= S::indices(&carried).iter().flatten().all(|id| index(*id).is_some());
             work.lasting.push(S::moved(&carried, &|id| index(id).unwrap_or(own)));
         }
-        // state that involves a particle of this process is stored already
+        // carried state that involves a particle of this process is stored already
         for carried in lasting {
             if S::indices(&carried).iter().flatten().all(|id| strangers.contains_key(id)) {
                 work.lasting.push(S::moved(&carried, &|id| strangers.get(&id).copied().unwrap_or(id)));

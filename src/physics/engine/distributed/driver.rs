@@ -17,7 +17,8 @@ use std::sync::Arc;
 impl<S: DistributedSolver> Driver<S> {
     /// Returns, in all processes, two values of the lead process: the cost [ns/s] of the classical algorithm (all
     /// particles at once, per particle and simulated time), and the summary of the speeds of the particles. The cost is
-    /// `None` if islands are not to be tried. The arguments are the values of this process.
+    /// `None` if islands are not to be tried. The arguments are the values of this process. The solver also adopts the
+    /// lead process's limit of the cost of an island, if it has such a limit.
     pub(in crate::engine) fn of_lead(
         &mut self,
         fallback_cost: Option<f64>,
@@ -33,8 +34,8 @@ impl<S: DistributedSolver> Driver<S> {
     }
 
     /// Moves all particles through the window (time between two exchanges with the gas) by the classical algorithm,
-    /// which moves all at once. If sharing pays, the processes move the particles together. Otherwise the lead process
-    /// receives all particles and moves them.
+    /// which moves all particles at once. If sharing pays, the processes move the particles together. Otherwise the
+    /// lead process receives all particles and moves them.
     pub(in crate::engine) fn by_all(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<(), Failure> {
         if let Some(domains) = self.islands.processes.domains() {
             if domains.is_worth_it() && self.solver.shares_steps(work.scene) {

@@ -38,8 +38,9 @@ pub struct GatheredPart<C> {
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Distributes all particles and their contacts in progress from the lead process to the processes that own the
-    /// blocks (regions of the box). New blocks with about equal numbers of particles are made first.
+    /// Distributes all particles and their contacts in progress (or other carried state) from the lead process to the
+    /// processes that own the blocks (regions of the box). New blocks with about equal numbers of particles are made
+    /// first.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         let (domain, size) = (&work.scene.domain, self.communicator.size());
         work.particles.wrap(domain);
@@ -139,7 +140,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
 
     /// Fills the store of the lead process with copies of particles of all processes: those with an id divisible by
     /// `every`, and those in contact with them. Returns, in the lead process, its own data that were in the store; in
-    /// other processes, `None`.
+    /// other processes, `None`. In the lead process, `members` then lists the copies of particles that were in islands
+    /// (groups of particles that may meet).
     fn gather_sample<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

@@ -32,8 +32,8 @@ pub trait GhostExchange {
     }
 
     /// Builds the neighbour list again, for uses that are `times[0]` [s] apart. Several processes also exchange the
-    /// particles that have left their blocks (regions of the box). Before that they apply the forces that are not yet
-    /// applied, for the remaining time `times[1]` [s].
+    /// particles that have left their blocks (regions of the box). Before that they change the velocities by the forces
+    /// that are computed but not yet applied, for the remaining time `times[1]` [s].
     fn rebuild(&mut self, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene, times: [f64; 2]) {
         solver.rebuild(particles, scene, times[0]);
     }

@@ -149,8 +149,8 @@ impl Halo {
     }
 
     /// Returns own particles and copies at the start of a window, the time between two exchanges with the gas. Drag,
-    /// for instance, may have changed the velocities of own particles; the new ones are sent to the processes that have
-    /// copies of them.
+    /// for instance, may have changed the velocities of own particles; the new velocities are sent to the processes
+    /// that have copies of these particles.
     pub fn synchronised_view(&mut self, own: &Particles, domains: &Domains<Contact>) -> Particles {
         let mut seen = std::mem::take(&mut self.seen);
         for (k, &index) in self.own.iter().enumerate() {

@@ -87,8 +87,9 @@ pub trait Distributed: Engine {
 /// A solver whose run several processes can share. By default processes share only the islands (groups of particles
 /// that may meet), and the lead process alone moves all particles by the classical algorithm.
 pub trait DistributedSolver: Solver {
-    /// Limit of the cost [ns/s] of a single island (group of particles that may meet), if the solver adapts it from
-    /// window to window; otherwise `None`. All processes adopt the value of the lead process.
+    /// Limit of the cost (computing time per simulated time) [ns/s] of a single island (group of particles that may
+    /// meet), if the solver adapts it from window to window; otherwise `None`. All processes adopt the value of the
+    /// lead process.
     fn allowance(&mut self) -> Option<&mut f64> {
         None
     }

@@ -27,8 +27,9 @@ pub fn packed_part<S: Solve>(
     pack(particles, &(0..particles.len() as u32).collect::<Vec<u32>>(), &lasting)
 }
 
-/// Adds to `work` the received contacts whose particles are all stored in this process, and replaces ids by indices.
-/// Contacts between a particle of this process and one of another process are not added but returned.
+/// Adds to `work` the received contacts (or other carried state) whose particles are all stored in this process, and
+/// replaces ids by indices. Contacts between a particle of this process and one of another process are not added but
+/// returned.
 pub fn add_received_contacts<S: Solve>(
     lasting: Vec<S::Carried>,
     work: &mut Work<S::Carried>,

@@ -213,8 +213,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Removes the copies of particles of other processes, and the contacts of such copies, after a part (piece of the
-    /// time between two exchanges with the gas) with valid results. The indices in `members`, a list of members of
-    /// islands, are adapted.
+    /// time between two exchanges with the gas) with valid results. In `members`, a list of members of islands, indices
+    /// are adapted and removed copies are deleted.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

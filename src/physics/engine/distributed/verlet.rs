@@ -32,7 +32,8 @@ use std::sync::Arc;
 /// Data of a process for uniform time steps that several processes share.
 #[derive(Default)]
 pub struct SharedSteps {
-    /// Own particles of this process and its copies of others; `None` if processes do not share the steps.
+    /// Own particles of this process and its copies of particles of other processes; `None` if processes do not share
+    /// the steps.
     pub halo: Option<Halo>,
     /// Number of candidates for contacts in the neighbour lists of all processes together; `None` if the processes have
     /// not shared the building of a list.
@@ -218,8 +219,8 @@ impl SoftSolver {
         window: Window,
         domains: &mut Domains<Contact>,
     ) -> Result<(), Failure> {
-        // contacts are put into new blocks of memory, which first test the whole neighbour list, so `look_anew` need
-        // not be called
+        // contacts are put into new blocks (ranges of candidates of the neighbour list). A new block first tests all of
+        // its candidates, so `look_anew` need not be called.
         self.ran_last = true;
         work.record.count(&mut work.log.impacts);
         if !domains.is_cut {

@@ -12,7 +12,7 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// [-] longest edge of a cell over the mean free path, if there are enough particles (Bird 1994, chapter 11).
+/// [-] longest edge of a cell, divided by the mean free path, if there are enough particles (Bird 1994, chapter 11).
 const EDGE: f64 = 1.0 / 3.0;
 
 /// Mean number of particles N in a cell whose edge h is a third of the mean free path λ (Bird 1994, chapter 11). Two
@@ -180,7 +180,8 @@ impl CollisionCells {
         &self.order[self.grid.items_of(cell)]
     }
 
-    /// Computes the local volume fraction in each block of cells; `block_of` gives the number of a cell's block.
+    /// Computes the local crowding in each block of cells, in the order of the blocks; `block_of` gives the number of a
+    /// cell's block.
     pub fn crowding(&self, particles: &Particles, sizes: &RadiusSummary) -> Vec<Crowding> {
         let cells = self.open.len();
         let pieces = (0..cells.div_ceil(PIECE)).map(|piece| piece * PIECE..cells.min((piece + 1) * PIECE));
@@ -345,7 +346,7 @@ mod tests {
         (0..1000).for_each(|_| particles.push(Vector3::zeros(), Vector3::zeros(), 0.5, 1.0, 0));
         let (phi, volume) = (0.1, 1000.0 * PI / 6.0 / 0.1);
         let paths = [true, false].map(|enskog| RadiusSummary::of(&particles).mean_free_path(volume, enskog));
-        // the tolerance is rounding
+        // the tolerance allows for rounding
         assert!((paths[1] / paths[0] - (1.0 - 0.5 * phi) / (1.0_f64 - phi).powi(3)).abs() < 1e-12, "{paths:?}");
     }
 }

@@ -26,7 +26,7 @@ pub struct CellState<'a> {
     pub open: f64,
     /// Local volume fraction, from which the Enskog factor follows; `None` if that factor is left out.
     pub crowding: Option<Crowding>,
-    /// Radius [m] of all particles of the run if they are equal; `None` if they differ.
+    /// Radius [m] of all particles of the run if their radii are equal; `None` if the radii differ.
     pub radius: Option<f64>,
 }
 

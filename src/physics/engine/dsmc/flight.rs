@@ -14,8 +14,8 @@ use nalgebra::Vector3;
 /// Number of particles that a thread moves as one piece of work.
 const PART: usize = CHUNK / 4;
 
-/// Number of particles near walls that a thread moves as one piece of work. One of them costs as much as dozens of
-/// other particles.
+/// Number of particles near walls that a thread moves as one piece of work. A particle near walls takes as much
+/// computing time as dozens of other particles.
 const FEW: usize = 128;
 
 /// Interval of time in which particles fly, within a window (time between two exchanges with the gas).
@@ -114,8 +114,8 @@ pub fn fly(
     failed.map_or(Ok(impacts), Err)
 }
 
-/// Moves all particles that cannot touch a wall within `duration` [s]. Returns the indices of the others, which have
-/// not moved.
+/// Moves all particles that cannot touch a wall within `duration` [s] to the end of this time. Returns the indices of
+/// the other particles, which have not moved.
 fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, duration: f64) -> Vec<u32> {
     let fall = scene.gravity * duration;
     let sag = 0.125 * scene.gravity.norm() * duration * duration;
@@ -191,7 +191,7 @@ fn fly_among_walls(
 
 /// [s] longest time for which the particle may fly before near walls are searched again, if `left` [s] of its flight
 /// remain. In this time it moves by at most one period of the box. So all periodic images of walls that it may reach
-/// are tested. Infinite if no wall has images, and in a sheared box.
+/// are tested. The result is infinite if no wall has images, and in a sheared box.
 fn longest_piece(scene: &Scene, flight: &Flight, left: f64) -> f64 {
     let domain = &scene.domain;
     let has_images = scene.walls.iter().any(|wall| matches!(wall.geometry, WallGeometry::Repeated(_)));

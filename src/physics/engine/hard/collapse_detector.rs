@@ -20,10 +20,10 @@ const COLLAPSE_STREAK: u8 = 200;
 const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// Number of successive flights of a particle, each shorter than the one before, after which an unresolvably short
-/// flight shows an inelastic collapse. A collapsing group has only some dozen more impacts after such a flight, because
-/// its relative speeds then fall below rounding. So the limit [`COLLAPSE_STREAK`] would not be reached. By chance,
-/// three flights in a row are each shorter than the one before in one of 24 cases. A chance flight is shorter than
-/// 10⁻¹⁴ of the box with a probability of about 10⁻¹⁴.
+/// flight shows an inelastic collapse, if the collision at its end loses energy. A collapsing group has only some dozen
+/// more impacts after such a flight, because its relative speeds then fall below rounding. So the limit
+/// [`COLLAPSE_STREAK`] would not be reached. By chance, three flights in a row are each shorter than the one before in
+/// one of 24 cases. A chance flight is shorter than 10⁻¹⁴ of the box with a probability of about 10⁻¹⁴.
 const ZENO_FLIGHTS: u8 = 3;
 
 /// Number of impacts of one particle within one window, the time between two exchanges with the gas, that counts as an

@@ -1,6 +1,6 @@
-//! Estimate of the cost of moving all particles by one event queue. The engine compares it with the cost of islands,
-//! groups of particles that may meet and that are computed separately. A window is the time between two exchanges with
-//! the gas.
+//! Estimate of the cost (computing time) of moving all particles by one event queue. The engine compares it with the
+//! cost of islands, groups of particles that may meet and that are computed separately. A window is the time between
+//! two exchanges with the gas.
 
 use crate::engine::Window;
 use crate::engine::islands::SpeedSummary;
@@ -19,10 +19,10 @@ const BUILD: f64 = 90.0;
 /// [ns] cost of comparing one pair of particles while the neighbour list is built, in double precision.
 const PAIR: f64 = 3.0;
 
-/// [-] volume fraction above which one lasting event queue of all particles costs less than islands, groups of
-/// particles that are computed separately. With 10⁴ elastic spheres in a periodic box on one thread, the queue did 0.8
-/// times as many collisions per second as islands at a volume fraction of 0.05. The ratios were 1.1 at 0.1, 1.7 at 0.2,
-/// and 2.3 at 0.3. Islands become faster with more threads, the queue does not.
+/// [-] volume fraction above which one event queue of all particles, kept from window to window, costs less than
+/// islands, groups of particles that are computed separately. With 10⁴ elastic spheres in a periodic box on one thread,
+/// the queue did 0.8 times as many collisions per second as islands at a volume fraction of 0.05. The ratios were 1.1
+/// at 0.1, 1.7 at 0.2, and 2.3 at 0.3. Islands become faster with more threads, the queue does not.
 const DENSE: f64 = 0.2;
 
 /// Largest cost [ns/s], per particle and simulated time, at which islands (groups of particles that may meet) are used

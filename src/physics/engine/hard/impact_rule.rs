@@ -29,7 +29,7 @@ impl Collision {
     /// changes by l **n** × **J**_t/I, with its lever arm l and its moment of inertia I (docs/rotation.md).
     ///
     /// The tuple contains J_n [kg m/s], the effective mass M [kg], and the distance [m] of the centres at touch (the
-    /// radius at a wall).
+    /// radius at a wall). Without spins, slip or friction the impulse is J_n **n**, and no spin changes.
     pub fn rough_impulse(
         &self,
         rotation: &Rotation,

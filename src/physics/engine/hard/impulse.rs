@@ -11,8 +11,8 @@ use std::ops::Deref;
 
 /// Impulse on body i [kg m/s] from a body j that it approaches, without rotation. The normal part is J_n = (1+e) M
 /// |u_n|, with the restitution e at the normal speed |u_n|. The tangential part acts against the slip **u**_t, with the
-/// magnitude J_t = min(μ J_n, M |u_t|) and the friction μ. These are Eq. 4 of the paper discussed in docs/paper.md, and
-/// the Coulomb law below that equation.
+/// magnitude J_t = min(μ J_n, M |u_t|) and the friction coefficient μ. These are Eq. 4 of the paper discussed in
+/// docs/paper.md, and the Coulomb law below that equation.
 ///
 /// `velocity` is the relative velocity u = u_i - u_j [m/s], and the unit vector `normal` points from j to i.
 /// `effective_mass` is M [kg]; for a wall it is the mass of the particle.
@@ -76,7 +76,7 @@ pub struct Collision {
     /// is a particle.
     pub wall: Option<WallMotion>,
     /// [m/s] velocity along z of the periodic image that particle `i` hits, relative to the other particle itself. It
-    /// is 0 unless the two meet across a sheared side of the box ([`Couple::image_velocity`]).
+    /// is 0 unless the two particles meet across a sheared side of the box ([`Couple::image_velocity`]).
     pub image: f64,
 }
 

@@ -28,8 +28,8 @@ use serde::{Deserialize, Serialize};
 
 /// Event-driven hard spheres: collisions are processed in the order of their exact times.
 ///
-/// A window is the time between two exchanges of momentum with the gas. If few particles collide within a window, each
-/// island (group of particles that may meet) has a separate small event queue. If most collide, one event queue serves
+/// A window is the time between two exchanges of momentum with the gas. If islands (groups of particles that may meet)
+/// take less computing time in a window, each island has a separate small event queue. Otherwise one event queue serves
 /// all particles. Both methods give the same collisions.
 pub type Hard = Driver<HardSolver>;
 
@@ -45,7 +45,7 @@ enum WindowMethod {
 }
 
 /// Solver of the event-driven engine. It moves islands (groups of particles that may meet) by small event queues, and
-/// all particles at once by one lasting event queue.
+/// all particles at once by one event queue that is kept from window to window.
 pub struct HardSolver {
     calendar: GlobalCalendar,
     islands: HardIslands,
@@ -161,8 +161,8 @@ impl Solver for HardSolver {
         self.memory.outdated = true;
     }
 
-    /// Does nothing. At the start of a window, the event queue of all particles compares its ids with those in the
-    /// store. If they differ, it is made anew, and keeps the collision histories.
+    /// Does nothing. At the start of a window, the event queue of all particles compares the ids of its particles with
+    /// those in the store. If they differ, the queue is made anew, and keeps the collision histories.
     fn repopulate(&mut self) {}
 
     /// Does nothing, because the recent collisions are returned at the end of each window in which all particles were

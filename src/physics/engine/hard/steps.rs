@@ -15,8 +15,8 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Hard spheres with time steps. Particles fly for a step Δt. Then every pair that overlaps and approaches receives the
-/// impulse of hard spheres; positions are not corrected.
+/// Hard spheres with time steps. Particles fly for a step Δt. Then every two bodies (two particles, or a particle and a
+/// wall) that overlap and approach each other receive the impulse of hard spheres. Positions are not corrected.
 ///
 /// The step is Δt < θ d/u_r (section 3.4 of the paper), with the diameter d and the mean normal speed u_r = sqrt(8
 /// q²/(3π)) of one particle relative to another. This is Eq. 8 of the paper, corrected: in the paper, q² is outside the

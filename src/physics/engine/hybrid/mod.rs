@@ -56,7 +56,8 @@ pub struct HybridIslands {
 /// Rule that decides which touches of two bodies are instantaneous impulses, and which begin soft contacts.
 pub struct Impulses {
     law: ContactLaw,
-    /// [-] clearance θ: time for which no other body may come near the two bodies, over the duration of their contact.
+    /// [-] clearance θ: time for which no other body may come near the two bodies, divided by the duration of their
+    /// contact.
     clearance: f64,
 }
 

@@ -93,7 +93,7 @@ pub struct Solved {
     pub impulses: u64,
     /// Number of uniform steps, if the island is a crowd (an island that is moved by such steps); otherwise 0.
     pub crowd_steps: u64,
-    /// Number of contact forces computed in uniform steps, if the island is a crowd.
+    /// Number of contact forces computed in uniform steps, if the island is a crowd; otherwise 0.
     pub crowd_forces: u64,
     /// Number of gaps and times of touch that were computed for the island.
     pub pair_checks: u64,
@@ -258,7 +258,7 @@ pub struct Task<'a, S: Solve> {
 
 impl<S: Solve> Workbench<S> {
     /// Copies the island with the number `which` into this workbench, and returns it with the scratch memory of the
-    /// solver. `None` if a contact carried into the island involves a particle outside it.
+    /// solver. `None` if a carried contact (or recent collision) of the island involves a particle outside the island.
     pub fn fill(
         &mut self,
         task: &Task<S>,

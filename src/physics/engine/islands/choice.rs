@@ -1,6 +1,6 @@
 //! Choice of the next part of a window: its length, and whether it pays to solve islands (groups of particles that may
-//! meet) in this part. The alternative is the classical algorithm, which moves all particles at once. A window is the
-//! time between two exchanges of momentum with the gas.
+//! meet) in this part. The alternative is the classical algorithm, which moves all particles at once. Costs are
+//! computing times. A window is the time between two exchanges of momentum with the gas.
 
 use crate::domain::Domain;
 use crate::engine::population::PopulationSummary;
@@ -80,8 +80,8 @@ pub struct PartCosts {
     pair: f64,
     /// [ns] cost per hot particle (member of an island) of making and solving its island.
     island: f64,
-    /// [-] distance within which a hot particle (member of an island) may meet other hot ones, over the mean length of
-    /// a flight in the part (interval of time).
+    /// [-] distance within which a hot particle (member of an island) may meet other hot particles, divided by the mean
+    /// length of a flight in the part (interval of time).
     reach: f64,
     /// [-] number of other hot particles (members of islands) within reach of a hot particle, above which nearly all
     /// islands unite. Islands within reach of each other unite, and the united island reaches farther.
@@ -103,8 +103,8 @@ pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.
 /// which must therefore be small.
 const STRAINED: f64 = 0.1;
 
-/// [-] factor by which parts (intervals of time) are shorter in a sheared box, since the balls that contain flights are
-/// enlarged there by up to a fifth.
+/// [-] factor by which the largest allowed length of parts (intervals of time) is multiplied in a sheared box, since
+/// the balls that contain flights are enlarged there by up to a fifth.
 const STRAINED_ROOM: f64 = 0.8;
 
 /// Length of a part (piece of the time between two exchanges with the gas) that has the lowest cost per simulated time.
@@ -117,7 +117,8 @@ pub struct Cheapest {
 }
 
 /// Chooses the length of the next part, a piece of the rest of the window, with the lowest cost per simulated time.
-/// `None` if islands cost more than the classical algorithm at any length.
+/// `None` if, at every length, islands cost more than the classical algorithm or nearly all islands would unite. Also
+/// `None` if the largest particle is as wide as half a period of the box.
 ///
 /// In a longer part, one search for touching particles serves for more time, but it checks more pairs and finds more
 /// islands.

@@ -179,8 +179,8 @@ impl<'a> Clusters<'a> {
     }
 
     /// Makes islands of all particles that touch on straight flights or have a carried contact. `carried` contains the
-    /// two particles of each contact, or one and `None`, and `energy` [J] the energy that it may give back. If `many`
-    /// is true, all contacts form one crowd, an island moved by uniform steps.
+    /// two particles of each contact, or one and `None` (for instance at a wall), and `energy` [J] the energy that it
+    /// may give back. If `many` is true, all contacts form one crowd, an island moved by uniform steps.
     fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
         self.energy = energy;
         let mut crowd: Option<usize> = None;

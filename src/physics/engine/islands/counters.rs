@@ -17,7 +17,8 @@ pub struct IslandCounters {
     pub crowd_forces: u64,
     /// Number of times of touch and gaps computed in islands.
     pub pair_checks: u64,
-    /// Number of pairs, and of particles with walls, that were checked in searches for touches.
+    /// Number of pairs of particles, plus number of pairs of a particle and a wall, that were checked in searches for
+    /// touches.
     pub searched: u64,
     /// Number of contact forces computed in all islands, those in uniform steps of crowds included.
     pub force_evaluations: u64,

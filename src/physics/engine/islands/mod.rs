@@ -1,8 +1,8 @@
 //! Islands: groups of particles that may meet. With islands, computing work is done only for particles that touch.
 //!
 //! A window is the time between two exchanges of momentum with the gas. In a short window nearly every particle of a
-//! dilute gas is alone and flies straight. Particles that touch something on their straight flight are *hot*, the
-//! others are *cold*. Hot particles that meet, or might meet after a collision, form an *island*, which an engine
+//! dilute gas is alone and flies straight. Particles that touch something on their straight flight are *hot*, all other
+//! particles are *cold*. Hot particles that meet, or might meet after a collision, form an *island*, which an engine
 //! solves separately. Cold particles that a hot one might hit are *bystanders*. If a bystander is hit, the island is
 //! solved again with the bystander as a member. The island is also solved again if a hot particle exceeds its speed
 //! limit. So no contact is missed. Islands are found and solved in a *part* of a window, which is the whole window or a
@@ -98,8 +98,8 @@ pub trait Solve: Sync {
     /// Moves the particles of an island from the start of a part (interval of time) to its end after `end` [s].
     /// `window` is the time from the start of the part to the next exchange with the gas. Returns `None` if the result
     /// is valid. The function stops, and returns the local index of a particle, if that particle exceeds its speed
-    /// limit or is hit unexpectedly ([`Island::allows`]). If this happens to several particles, the others are stored
-    /// in [`Island::also`].
+    /// limit or is hit unexpectedly ([`Island::allows`]). If this happens to several particles, the indices of the
+    /// other particles are stored in [`Island::also`].
     ///
     /// # Errors
     /// The engine fails, or the island costs more than the classical algorithm would.
@@ -134,8 +134,8 @@ const SHORTER: i32 = 3;
 const BATCH: usize = 64;
 
 /// Method that moves particles through a window (time between two exchanges with the gas) by finding islands and
-/// solving them. The window is divided into parts (intervals of time), and `C` is the type of contacts carried from
-/// part to part.
+/// solving them. The window is divided into parts (intervals of time), and `C` is the type of contacts (or recent
+/// collisions) carried from part to part.
 pub struct Islands<C> {
     /// Clock that measures the wall-clock time of searches and flights.
     pub clock: Clock,
@@ -288,8 +288,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.spent.neighbours += self.clock.now() - began;
     }
 
-    /// Moves all particles through a part, a piece of the window. Returns false, and changes no position or velocity,
-    /// if an island is too large or the engine fails.
+    /// Moves all particles through a part, a piece of the window. Returns false if an island is too large or the engine
+    /// fails; no particle has then moved, except by shifts of whole periods into the box.
     fn part<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

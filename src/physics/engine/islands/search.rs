@@ -83,7 +83,7 @@ pub struct FirstTouch {
 pub struct SearchResult {
     /// Touches of pairs in the order of the cells of their first particles, then touches of walls.
     pub touches: Vec<FirstTouch>,
-    /// Number of pairs, and of particles with walls, that were checked.
+    /// Number of pairs of particles, plus number of pairs of a particle and a wall, that were checked.
     pub checks: u64,
 }
 

@@ -14,7 +14,8 @@ use crate::experiment::Integrator;
 use serde::{Deserialize, Serialize};
 
 /// [ns] cost per particle of one search for touches on straight flights: the flight of the particle is computed, and
-/// the particle is sorted into a cell (as in `cheapest_part`, which chooses how long islands are computed).
+/// the particle is sorted into a cell (as in `cheapest_part`, which chooses the interval of time for which islands are
+/// found and solved).
 const SEARCH: f64 = 90.0;
 
 /// [ns] cost of testing one pair of particles for a touch.

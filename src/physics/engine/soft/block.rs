@@ -1,4 +1,4 @@
-//! Contacts in a block: a range of slots (candidate pairs, or particles with walls) of the neighbour list.
+//! Contacts in a block: a range of slots (two particles, or a particle and a wall) of the neighbour list.
 //!
 //! Blocks share no data that changes, so threads evaluate them in parallel. Their results are added in the order of
 //! blocks, so the sums are equal for any number of threads. The record of a contact keeps its place in memory while the
@@ -208,7 +208,7 @@ impl ContactBlock {
     }
 
     /// Finds the slots (candidates) whose bodies overlap. Most slots of the list are too far apart to touch soon. The
-    /// others are listed from time to time, and only the listed slots are tested in between, with the same result.
+    /// other slots are listed from time to time, and only the listed slots are tested in between, with the same result.
     fn find(&mut self, view: ContactSearch, overlapping: &mut Vec<u32>, near: &mut Vec<u32>) {
         let ContactSearch { list, particles, scene, at, .. } = view;
         overlapping.clear();

@@ -1,4 +1,5 @@
-//! One contact: its two bodies, their encounter, the contact force, and the energy that the contact dissipates.
+//! One contact: its two bodies (particle i, and another particle or a wall), their encounter, the contact force, and
+//! the energy that the contact dissipates.
 
 use crate::contact_law::friction::{Slip, coulomb};
 use crate::contact_law::{Bodies, ContactLaw, Spring};
@@ -32,8 +33,8 @@ pub fn passed(particles: &Particles, i: usize, (wall, time): (u32, f64), length:
     Failure::OverlapTooLarge { time, particle: particles.id[i], partner: Partner::Wall(wall), ratio: 0.5, limit, way }
 }
 
-/// Failure of a contact whose overlap is too large; `ratio` and `limit` [-] are the overlap and its limit over the
-/// diameter.
+/// Failure of a contact whose overlap is too large; `ratio` and `limit` [-] are the overlap and its limit, divided by
+/// the diameter.
 #[cold]
 fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f64, f64)) -> Failure {
     let (particle, partner) = (particles.id[couple.i as usize], couple.partner(particles));
@@ -422,7 +423,7 @@ impl ContactConstants {
     }
 
     /// Force of the contact of two bodies at the time `moment`. Friction acts for `time_step` [s]. Powers are computed
-    /// for an instant `to_middle` [s] after that of the given velocities.
+    /// for an instant `to_middle` [s] after the instant to which the velocities in `met` belong.
     #[inline(always)]
     pub fn force(
         &self,

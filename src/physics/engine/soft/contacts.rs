@@ -63,8 +63,8 @@ pub struct EvaluationTime {
     /// [s] time of the velocities, since the start of the window. The velocities do not yet contain gravity over this
     /// time.
     pub fall: f64,
-    /// [s] time from the instant of the given velocities to the middle of the kick (change of velocities by forces).
-    /// Powers are computed for that middle.
+    /// [s] time from the instant to which the stored velocities belong, to the middle of the kick (change of velocities
+    /// by forces). Powers are computed for that middle.
     pub to_middle: f64,
     /// [-] fraction of the time step for which these forces act in the kick (change of velocities) that follows.
     pub weight: f64,
@@ -353,7 +353,7 @@ impl Contacts {
     }
 
     /// Finds overlaps, begins and ends contacts, and writes the contact forces into `pushes`. Returns counts of the
-    /// work done.
+    /// work done, or an error if an overlap is too large or a centre has passed the other body.
     pub fn evaluate(
         &mut self,
         view: ContactSearch,
@@ -410,8 +410,8 @@ impl Contacts {
         block_of(&mut self.blocks, slot, block_size(list)).facets.begin(slot, turn);
     }
 
-    /// Couples and rotation vectors [rad] of the contacts with rough walls that ended in the last evaluation, in the
-    /// order of the neighbour list.
+    /// Removes and returns the couples and rotation vectors [rad] of those contacts with rough walls that ended in the
+    /// last evaluation, or that were expected to begin and did not.
     pub fn left_facets(&mut self, list: &NeighbourList) -> Vec<(Couple, Vector3<f64>)> {
         let mut left = Vec::new();
         self.blocks.iter_mut().for_each(|block| block.take_left_facets(list, &mut left));

@@ -19,7 +19,7 @@ pub struct Steps {
     pub law: ContactLaw,
     /// Integrator of the steps.
     pub integrator: Integrator,
-    /// [s] longest step; steps may be a little shorter, so that a whole number of them fits.
+    /// [s] longest step; steps may be a little shorter, so that a whole number of steps fits into the interval.
     pub longest: f64,
 }
 
@@ -34,8 +34,8 @@ impl Steps {
 
 /// Moves a crowd (a large island) by uniform steps for `end` [s] from the beginning of the window. The result is valid,
 /// and the function returns `None`, if no member exceeds its speed limit and no other particle is hit. Otherwise it
-/// returns the local index of one such particle, and stores the others in [`Island::also`]. The index 0 then stands for
-/// all members that are too fast.
+/// returns the local index of one such particle, and stores the indices of the other such particles in
+/// [`Island::also`]. The index 0 then stands for all members that are too fast.
 ///
 /// # Errors
 /// Returns the failure of the uniform steps.

@@ -115,7 +115,7 @@ impl ForceBuffer {
         self.list.push(push);
     }
 
-    /// Removes all forces, and makes room for `room` new ones.
+    /// Removes all forces, and reserves memory for `room` new forces.
     pub fn clear(&mut self, room: usize) {
         self.list.clear();
         reserve(&mut self.list, room);
@@ -248,9 +248,10 @@ impl PerTorque<'_> {
 /// takes a few thousand ns.
 const FEW: usize = 1024;
 
-/// Applies the forces to all particles: v += a `dt` [s]. `common` [kg] is the mass of each particle if all masses are
-/// equal. Each velocity is changed by one thread only, which applies its forces in the order of the neighbour list.
-/// Returns the largest speed [m/s], relative to `frame` [m/s], that a particle had after a force was applied.
+/// Applies the forces to all particles: v += a `dt` [s], and changes the spins by the torques. `common` [kg] is the
+/// mass of each particle if all masses are equal. Each velocity is changed by one thread only, which applies its forces
+/// in the order of the neighbour list. Returns the largest speed [m/s], relative to `frame` [m/s], that a particle had
+/// after a force was applied.
 pub fn kick_all(
     pushes: &[ForceBuffer],
     (particles, common): (&mut Particles, Option<f64>),

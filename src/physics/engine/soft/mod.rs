@@ -67,7 +67,7 @@ pub struct SoftSolver {
     /// Number of uniform steps since the start of the run.
     steps: u64,
     pub(in crate::engine) integrator: Integrator,
-    /// [s] longest step; steps may be a little shorter, so that a window is a whole number of them.
+    /// [s] longest step; steps may be a little shorter, so that a window is a whole number of steps.
     longest_step: f64,
     pub(in crate::engine) list: NeighbourList,
     pub(in crate::engine) contacts: Contacts,

@@ -1,6 +1,6 @@
-//! Compact records of the contacts in progress of one block, a range of candidates in the neighbour list. Most contacts
-//! are between bodies of the same kinds, so their constants are stored only once. The contacts are stored in chunks of
-//! equal length.
+//! Compact records of the contacts in progress of one block, a range of candidates in the neighbour list. Contacts
+//! between bodies of the same kinds have equal constants, which are stored only once (for up to 16 different sets of
+//! constants). The contacts are stored in chunks of equal length.
 
 use super::contact::{ContactConstants, ContactState, ResistanceMemory};
 use nalgebra::Vector3;
@@ -82,7 +82,7 @@ pub struct RotatingRecord<'a> {
 /// Contacts in progress, each at an index that does not change while the contact lasts.
 #[derive(Default)]
 pub struct PackedContacts {
-    /// Chunks of contacts; all but the last are full.
+    /// Chunks of contacts; all chunks but the last are full.
     kept: Vec<Vec<PackedContact>>,
     /// Indices in `kept` at which no contact is stored.
     free: Vec<u32>,
@@ -154,7 +154,8 @@ impl PackedContacts {
         (full + chunk.len() - 1) as u32
     }
 
-    /// Index of the entry of `constants` that equals `touch`; a new entry is added if there is none.
+    /// Index of an entry of `constants` that equals `touch`. If none of the first `SHARED` entries does, an unused or
+    /// new entry gets these constants.
     fn constants_of(&mut self, touch: &ContactConstants) -> u32 {
         let shared = &self.constants[..self.constants.len().min(SHARED)];
         if let Some(like) = shared.iter().position(|other| other == touch) {

@@ -92,8 +92,8 @@ pub struct ResistedStep {
     pub dt: f64,
     /// [s] time in the step during which the surfaces have moved. It is less than `dt` if the contact has just begun.
     pub elapsed: f64,
-    /// [s] time from the instant of the velocities passed to the function to the middle of the kick (change of
-    /// velocities by forces).
+    /// [s] time from the instant to which the rolling and twisting velocities belong, until the middle of the kick
+    /// (change of velocities by forces).
     pub to_middle: f64,
 }
 

@@ -86,7 +86,8 @@ impl TrianglePoint {
 impl Mesh {
     /// Makes a wall of triangles, given by their corners [m]; `name` is its name in results. With `None` for `sides`, a
     /// closed surface is a solid body, and an open surface is a thin sheet with particles on both sides. Also returns
-    /// the defects that were found in the triangles, most of which are corrected.
+    /// the defects of the triangles. Degenerate, duplicate and wrongly facing triangles are corrected; open, crowded
+    /// and twisted edges remain.
     ///
     /// # Errors
     /// If the triangles do not form a wall of this type.
@@ -215,7 +216,7 @@ impl Mesh {
         }
     }
 
-    /// The point of the surface nearest to `point` [m], if its distance is at most `reach` [m]; otherwise `None`. If
+    /// Point of the surface nearest to `point` [m], if its distance is at most `reach` [m]; otherwise `None`. If
     /// several triangles are equally near, the triangle with the lowest index is used.
     fn first(&self, point: &Vector3<f64>, reach: f64) -> Option<TrianglePoint> {
         let first: Cell<Option<TrianglePoint>> = Cell::new(None);

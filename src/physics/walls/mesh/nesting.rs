@@ -1,5 +1,5 @@
 //! Closed parts (connected groups of triangles) of a surface inside other closed parts. A part inside an odd number of
-//! others bounds a cavity, and its triangles must face into the cavity.
+//! other parts bounds a cavity, and its triangles must face into the cavity.
 
 use super::surface::{Edges, Findings, Numbered};
 use super::{Sides, Tree};
@@ -25,8 +25,8 @@ pub struct Nested {
     pub cavities: usize,
     /// Number of cavities whose triangles faced away from the cavity and were flipped.
     pub turned: usize,
-    /// Number of outermost parts that were removed. They are the outer surfaces of thick walls, while the particles are
-    /// inside the vessel.
+    /// Number of outermost parts that were removed. These parts are the outer surfaces of the thick walls of vessels
+    /// that contain the particles.
     pub skins: usize,
     /// Number of solid bodies inside a vessel: parts whose triangles face the same way as those of the vessel.
     pub bodies: usize,
@@ -36,7 +36,8 @@ pub struct Nested {
 
 /// Flips the triangles of a closed surface so that they face the particles: outwards, and into cavities. If particles
 /// are inside a vessel with a thick wall, the outer surface of the wall is removed. Without a thick wall the outermost
-/// part is the vessel, and the parts inside it are bodies.
+/// part is the vessel, and the parts inside it are bodies. The numbers of these parts and changes are added to
+/// `findings`.
 pub fn face_particles(
     points: &[Vector3<f64>],
     triangles: &mut Numbered,
@@ -118,8 +119,8 @@ fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 
     each.sum()
 }
 
-/// For each part, the indices of the other parts that contain it, in ascending order. Parts that cross others are
-/// counted in `nested`.
+/// For each part, the indices of the other parts that contain it, in ascending order. The number of parts that cross
+/// others is added to `nested`.
 fn parts_around(
     points: &[Vector3<f64>],
     triangles: &Numbered,

@@ -118,8 +118,8 @@ pub struct TriangleSurface {
     pub points: Vec<Vector3<f64>>,
     /// Triangles of the surface, with data on their neighbours.
     pub faces: Vec<Face>,
-    /// [-] unit vectors perpendicular to edges. Those of an edge point into the triangles beyond the edge, in their
-    /// planes.
+    /// [-] unit vectors perpendicular to edges. The vectors of an edge point into the triangles beyond the edge, in the
+    /// planes of these triangles.
     pub ways: Vec<Vector3<f64>>,
     /// [-] pseudo-normal of each point: the sum of the normals of the triangles that meet at the point, weighted by
     /// their angles.

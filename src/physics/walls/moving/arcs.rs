@@ -4,7 +4,7 @@
 //! differs by at most J τ³/6 from the parabola with the same position, velocity and acceleration at the beginning. Here
 //! J bounds the third derivative. An enlarged sphere, with a radius greater by this distance, that moves on the
 //! parabola touches no later than the sphere itself. Before that touch there is certainly no contact, and the next arc
-//! begins there.
+//! begins at the instant of that touch.
 
 use super::MovingShape;
 use crate::walls::{Flight, Touch};
@@ -34,7 +34,7 @@ const TURN: f64 = 0.5;
 
 /// First touch for contact number `which` of a moving shape, as
 /// [`Geometry::first_touch`](crate::walls::Geometry::first_touch) defines it. The flight begins at the simulated time
-/// `start` [s], and its duration `until` [s] must be finite.
+/// `start` [s], and its duration `until` [s] must be finite. `None` without a touch.
 pub(super) fn first_touch(
     moving: &MovingShape,
     which: u32,

@@ -131,7 +131,7 @@ impl MovingShape {
     }
 
     /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] after the stored
-    /// instant `time`.
+    /// instant `time`; `None` without a touch until `until` [s].
     fn touch(&self, which: u32, flight: &Flight, radius: f64, (ahead, until): (f64, f64)) -> Option<Touch> {
         let start = self.time + ahead;
         match &self.motion {
@@ -160,7 +160,7 @@ impl MovingShape {
     }
 
     /// First touch for a shape on a path, as [`Geometry::first_touch`] defines it. The shape has a constant velocity
-    /// between two knots (given instants of the path).
+    /// between two knots (given instants of the path). `None` without a touch.
     fn touch_on(
         &self,
         path: &PiecewisePath,
@@ -376,7 +376,7 @@ impl Wall {
     }
 
     /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] after the instant of
-    /// the wall's scene. The flight lasts for `until` [s].
+    /// the wall's scene. The flight lasts for `until` [s]; `None` without a touch in this time.
     #[inline(always)]
     pub fn first_touch(&self, which: u32, flight: &Flight, radius: f64, (ahead, until): (f64, f64)) -> Option<Touch> {
         match &self.moving {

@@ -173,7 +173,8 @@ mod tests {
         VibratingGap { gap, speed, acceleration, amplitude: 1.0, frequency: 1.0, phase }
     }
 
-    /// First sign change of the gap in small steps, an independent search.
+    /// First time [s] at which the gap is not positive, found in small steps by an independent search; `None` if there
+    /// is none.
     fn by_steps(flight: &VibratingGap, until: f64) -> Option<f64> {
         const STEPS: usize = 400_000;
         let time = |k: usize| until * k as f64 / STEPS as f64;

@@ -24,7 +24,7 @@ pub struct ParticleFrame {
     /// Box of the instant; `None` if the file gives none.
     pub domain: Option<Domain>,
     /// Particles of the instant. Their radius is 0 m if the file gives no radii, and their mass 1 kg if it gives no
-    /// masses. Spheres that rotate are solid.
+    /// masses. Spheres rotate only if the file gives all spins, radii and masses; they are then solid.
     pub particles: Particles,
     /// True if the file gives the masses of the particles.
     pub has_masses: bool,
@@ -69,7 +69,7 @@ pub fn particle_frames(
 }
 
 impl ForeignReader<'_> {
-    /// Makes the particles of an instant from the texts of its cells.
+    /// Makes the particles and the box of an instant from the texts of the file.
     fn frame(&self, lines: &Lines, instant: ForeignInstant) -> Result<ParticleFrame, Diagnostic> {
         let ForeignInstant { start, time, step, first } = instant;
         if let Some((_, origin)) = &start.tilt {

@@ -240,8 +240,8 @@ impl ForeignReader<'_> {
         Ok(())
     }
 
-    /// Sorts rows by their ids. Warns if the ids are not 0, 1, 2 …, because the particles then have other numbers in
-    /// results.
+    /// Sorts rows by their ids, unless a row has no id. Warns if the ids are not 0, 1, 2 …, because the particles then
+    /// have other numbers in results.
     fn sort_by_ids(&mut self, read: &mut ForeignStart) -> Result<(), Diagnostic> {
         let mut numbered = Vec::with_capacity(read.rows.len());
         for (place, (cells, origin)) in read.rows.iter().enumerate() {

@@ -41,7 +41,7 @@ impl ForeignReader<'_> {
         Ok(self.xyz_instant(lines, (first, count))?.start)
     }
 
-    /// Index of the first line of each instant, and its number of particles.
+    /// Index of the first line of each instant, and number of particles of this instant.
     pub(super) fn xyz_instants(&self, lines: &Lines) -> Result<Vec<(usize, usize)>, Diagnostic> {
         let (mut first, mut instants) = (0, Vec::new());
         loop {
@@ -147,8 +147,8 @@ impl ForeignReader<'_> {
         Ok(layout)
     }
 
-    /// Reads the values of one particle, as texts in the order of `COLUMNS`, from the line with the number `number`.
-    /// Positions are shifted so that the origin of the box is at zero.
+    /// Reads the values of one particle, as texts in the order of `COLUMNS`, from the line with the index `number`.
+    /// Positions are shifted so that the lowest corner of the box is at 0.
     fn particle(&self, lines: &Lines, number: usize, header: &Header) -> Result<Cells, Diagnostic> {
         let words = self.words_of(lines, number, &header.layout)?;
         let mut row: Cells = std::array::from_fn(|column| header.layout.text(&words, column).to_owned());

@@ -4,9 +4,9 @@
 use super::Member;
 use super::bounded::BoundedIslands;
 
-/// [-] largest gap between a member of a crowd and a particle that is added to the crowd, over the distance of their
-/// centres at touch. In a gas few particles are so near, so adding them costs little. Otherwise the crowd would be
-/// solved again for each particle that it pushes.
+/// [-] limit of the gap between a member of a crowd and a particle that is added to the crowd, divided by the distance
+/// of their centres at touch. In a gas few particles are so near, so adding them costs little. Otherwise the crowd
+/// would be solved again for each particle that it pushes.
 const BESIDE: f64 = 0.05;
 
 /// Number of late members, in excess of an eighth of the members in cells, above which all members are sorted into
@@ -72,8 +72,8 @@ impl BoundedIslands<'_> {
         beside
     }
 
-    /// True if the gap between two particles, given by index, is at most [`BESIDE`] times the distance of their centres
-    /// at touch. One of them may then soon be pushed against the other.
+    /// True if the gap between two particles, given by index, is less than [`BESIDE`] times the distance of their
+    /// centres at touch. One of them may then soon be pushed against the other.
     fn is_beside(&self, one: u32, other: u32) -> bool {
         let [a, b] =
             [one, other].map(|index| (self.particles.position[index as usize], self.particles.radius[index as usize]));

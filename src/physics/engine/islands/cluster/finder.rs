@@ -39,8 +39,8 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     fn into_clusters(self) -> Clusters<'a>;
 
     /// Makes islands of all particles that touch on straight flights or have a carried contact. `carried` contains the
-    /// two particles of each contact, or one and `None`, and `energy` [J] the energy that it may give back. Returns
-    /// false if an island is too large.
+    /// two particles of each contact, or one and `None` (for instance at a wall), and `energy` [J] the energy that it
+    /// may give back. Returns false if an island is too large.
     fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool;
 
     /// Appends to `pairs` the pairs of a member with the later particles of its island that it may touch. `member`
@@ -63,9 +63,9 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     fn follow(&mut self, _which: usize, _ways: Range<usize>, _trajectories: &MemberTrajectories) {}
 
     /// Changes the islands in `retries`, and unites islands that may meet; all these islands must be solved again.
-    /// Returns the number of solved islands whose results became invalid because they met others; `None` if an island
-    /// is too large. An island is counted only if `mine` returns true for the index of its leader, the member with the
-    /// smallest id.
+    /// Returns the number of solved islands whose results became invalid because they met other islands or particles;
+    /// `None` if an island is too large. An island is counted only if `mine` returns true for the index of its leader,
+    /// the member with the smallest id.
     fn next_round(&mut self, retries: Vec<(usize, Retry)>, mine: impl Fn(u32) -> bool) -> Option<u64>;
 
     /// Velocity changes of a member in this part (interval of time), in the order of time; `None` if its trajectory is

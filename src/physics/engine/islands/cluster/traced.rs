@@ -57,8 +57,8 @@ impl DeflectedFlights {
     }
 }
 
-/// Islands that are found by solving them first: the trajectories of solved islands show which of them meet, and these
-/// are united and solved again.
+/// Islands that are found by solving them first: the trajectories of solved islands show which islands meet. Islands
+/// that meet are united and solved again.
 pub struct TracedIslands<'a> {
     clusters: Clusters<'a>,
     /// Velocity changes of the members of all solved islands. Those of one member follow one another in the order of
@@ -170,7 +170,7 @@ impl TracedIslands<'_> {
     }
 
     /// Makes the trajectory of a member, given by its index in the store, from its velocity changes `turns`. `first` is
-    /// the number of the first of these in the list that is stored with the trajectory.
+    /// the place of the first of these changes in the list of the changes of all trajectories.
     fn way(&self, index: u32, turns: &[VelocityChange], first: usize) -> PiecewiseTrajectory {
         let flight = self.search.flights[index as usize];
         let turned = first..first + turns.len();
@@ -192,8 +192,9 @@ impl TracedIslands<'_> {
     }
 
     /// Unites solved islands with the islands and single particles that their trajectories meet; the united islands
-    /// must be solved again. Returns the number of results that became invalid; `None` if an island is too large. An
-    /// island is counted only if `mine` returns true for the index of its leader, the member with the smallest id.
+    /// must be solved again. Returns the number of results that became invalid; `None` if an island is too large or
+    /// reaches too far. An island is counted only if `mine` returns true for the index of its leader, the member with
+    /// the smallest id.
     fn unite_meeting(&mut self, mine: impl Fn(u32) -> bool) -> Option<u64> {
         let is_new = |which: &usize| {
             let cluster = &self.list[*which];

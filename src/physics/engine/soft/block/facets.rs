@@ -32,7 +32,7 @@ impl FacetTurns {
     }
 
     /// Removes and returns the rotation vector [rad] of the contact that begins at a slot (candidate of the neighbour
-    /// list); `None` if there is none.
+    /// list); `None` if no contact begins there.
     pub fn take(&mut self, slot: u32) -> Option<Vector3<f64>> {
         let k = self.begun.iter().position(|(begun, _)| *begun == slot)?;
         Some(self.begun.remove(k).1)

@@ -13,7 +13,8 @@ use crate::engine::soft::contact::TouchingPair;
 use crate::engine::soft::rates::{AlongNormal, Rates};
 use nalgebra::Vector3;
 
-/// [-] accuracy of a touch: gap over the diameter. The rounding error of positions is not much smaller.
+/// [-] accuracy of a touch: largest remaining gap or overlap, divided by the diameter. The rounding error of positions
+/// is not much smaller.
 pub const TOUCH: f64 = 1e-11;
 
 /// Largest number of iterations for one touch; each iteration adds several correct digits.

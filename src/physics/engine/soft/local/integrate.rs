@@ -12,8 +12,8 @@ pub struct RungeKuttaStage {
     pub at: f64,
     /// [-] weight of the stage in the mean over the step.
     pub weight: f64,
-    /// [-] weight of the stage in the first moment of a force about the middle of the step, over the squared length of
-    /// the step. A force that grows linearly from F₀ to F₁ has the moment (F₁ - F₀)/12.
+    /// [-] weight of the stage in the first moment of a force about the middle of the step, divided by the squared
+    /// length of the step. A force that grows linearly from F₀ to F₁ has the moment (F₁ - F₀)/12.
     pub moment: f64,
 }
 

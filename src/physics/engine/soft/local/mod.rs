@@ -47,7 +47,7 @@ pub struct ReachedTouch<'a> {
     pub remaining: f64,
 }
 
-/// Rule that decides which touches are instantaneous impulses; all others begin a contact.
+/// Rule that decides which touches are instantaneous impulses; all other touches begin a contact.
 pub trait InstantaneousRule: Sync {
     /// [s] time within which no other body may reach the two bodies, if their touch is to be instantaneous. With `None`
     /// the touch begins a contact in any case.
@@ -83,7 +83,7 @@ pub struct SoftIslands<I = NoInstants> {
     pub instants: I,
 }
 
-/// [ns/s] largest cost of an island per simulated time. If it is infinite, no island is given up.
+/// [ns/s] largest cost (computing time) of an island per simulated time. If it is infinite, no island is given up.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowance {
     /// [ns/s] share of the largest cost that does not depend on the size of the island.
@@ -106,9 +106,9 @@ impl<I> SoftIslands<I> {
 #[derive(Default)]
 pub struct IslandScratch {
     contacts: Vec<Contact>,
-    /// Bodies and contact constants of every slot (candidate pair, or particle with wall).
+    /// Bodies and contact constants of every slot (candidate: two particles, or a particle and a wall).
     touches: Vec<TouchingPair>,
-    /// True for each slot (candidate pair, or particle with wall) that is in contact.
+    /// True for each slot (candidate: two particles, or a particle and a wall) that is in contact.
     touching: Vec<bool>,
     /// Present gap [m] and its rate [m/s] of every slot (candidate).
     gaps: Vec<(f64, f64)>,
@@ -270,7 +270,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// Index of a particle in contact, or just struck, that exceeds its speed limit or is not a member of the island;
-    /// `None` if there is none.
+    /// `None` if there is no such particle.
     fn out_of_bounds(&mut self) -> Option<usize> {
         let struck = self.struck.take();
         let couples = self.scratch.contacts.iter().map(|contact| contact.touch.couple).chain(struck);
@@ -404,7 +404,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(())
     }
 
-    /// Repeats, with the length `dt` [s], the step that began at `start` [s].
+    /// Repeats, with the length `dt` [s], the step that began at `start` [s]. Returns the mean powers and wall forces.
     fn repeat(&mut self, start: f64, dt: f64) -> Rates {
         self.particles.position.clone_from(&self.scratch.position);
         self.particles.velocity.clone_from(&self.scratch.velocity);

@@ -44,7 +44,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         relative(self.particles, self.scene, [i, j], self.moment())
     }
 
-    /// Number of particles that belong both to the slot `slot` (candidate pair, or particle with wall) and to `couple`.
+    /// Number of particles that belong both to the slot `slot` (two particles, or a particle and a wall) and to
+    /// `couple`.
     fn shared(&self, slot: usize, couple: &Couple) -> usize {
         let indices = self.scratch.touches[slot].couple.indices();
         indices.into_iter().flatten().filter(|&index| is_of(couple, index)).count()

@@ -73,7 +73,7 @@ impl SlidingContact {
         Self { phase, start: none, now: none, rate, mean, shear, margins }
     }
 
-    /// Begins a phase. `vector` is the shear [m] of a spring that sticks, or the force direction of one that slides.
+    /// Begins a phase. `vector` is the shear [m] if the spring sticks, or the direction [-] of its force if it slides.
     fn take(&mut self, phase: Phase, vector: Vector3<f64>) {
         (self.phase, self.now.vector) = (phase, vector);
     }

@@ -52,7 +52,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let Contact { touch, course, .. } = &self.scratch.contacts[k];
         let springs = self.springs_of(k);
         let shear = &self.scratch.sliding[springs.start].shear;
-        // the energy of most springs does not depend on the overlap, which then need not be computed
+        // the energy of a spring with constant stiffness does not depend on the overlap, which then need not be
+        // computed
         if touch.tangential.half_powers == 0 && course.resistance.is_none() {
             return [touch.tangential.energy(shear), 0.0, 0.0];
         }

@@ -82,7 +82,7 @@ pub struct SpringMotion {
     pub resistance: Option<Resistance>,
 }
 
-/// [-] overlap over the diameter up to which a contact counts as one that has just begun.
+/// [-] overlap, divided by the diameter, up to which a contact counts as one that has just begun.
 const TOUCHING: f64 = 1e-9;
 
 /// [-] short time as a fraction of a time step. The force of a beginning contact and its limit are compared after this

@@ -1,5 +1,5 @@
 //! Beginnings and ends of the contacts of an island (group of particles that may meet). A slot is the number of a
-//! candidate (pair, or particle and wall) in its neighbour list.
+//! candidate (pair, or particle and wall) in the neighbour list of the island.
 
 use super::alone::{TOUCH, TRIALS};
 use super::{InstantaneousRule, IslandRun};
@@ -37,7 +37,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// Repeats the step that began at `start` [s], with the length at which the gap of the slot `slot` (candidate) is
-    /// zero. The first guess of that length is `fraction` [-] of `dt` [s].
+    /// zero. The first guess of that length is `fraction` [-] of `dt` [s]. Returns the mean powers and wall forces of
+    /// the step.
     ///
     /// The contact of the slot ends when its gap becomes positive, or begins when the gap becomes negative. If two such
     /// instants nearly coincide, the later one may have been passed when the last step ended. The gap then already has
