@@ -262,9 +262,11 @@ impl<'a> VariantResults<'a> {
 fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for variant in variants {
-        let name = figures::file_name(variant);
-        let taken = name.is_empty() || names.contains(&name);
-        names.push(if taken { format!("{name}variant-{}", names.len()) } else { name });
+        let mut name = figures::file_name(variant);
+        while name.is_empty() || names.contains(&name) {
+            name = format!("{name}variant-{}", names.len());
+        }
+        names.push(name);
     }
     names
 }
@@ -272,6 +274,13 @@ fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_of_files_are_different() {
+        let names = file_names(["variant-1", "//", "soft", "soft", "softvariant-3"].into_iter());
+        let different: std::collections::BTreeSet<&String> = names.iter().collect();
+        assert_eq!(different.len(), names.len(), "{names:?}");
+    }
 
     /// A chute starts empty, and its inlet brings some hundred particles: several processes are not refused.
     #[test]

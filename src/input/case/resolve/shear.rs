@@ -65,7 +65,8 @@ impl Resolver {
 
     /// Refuses a sheared scene that has parts which cannot be sheared.
     ///
-    /// # Errors Walls, a gas, gravity, or a box with an edge of less than four of the largest diameters.
+    /// # Errors
+    /// Walls, a gas, gravity, or a box with an edge of less than four of the largest diameters.
     pub(super) fn check_shear(&self, file: &CaseFile, scene: &Scene) -> Result<(), Diagnostic> {
         let Some(shear) = file.domain.as_ref().and_then(|domain| domain.value.shear.as_ref()) else { return Ok(()) };
         let no = |what: &str, help: &str| Err(self.refuse_shear(shear, what).help(help));
