@@ -30,7 +30,8 @@ pub enum Gauge {
     Energy,
     /// Energy of a gas divided by its initial energy, on a logarithmic axis; it should be constant.
     Explosion,
-    /// Mean velocity and granular temperature of particles in a channel. The page also shows profiles of both panels.
+    /// Mean velocity and granular temperature of particles in a channel. The page also shows profiles over the height,
+    /// for both of its panels (simulations side by side).
     Channel,
     /// Largest overlap, number of impacts, and kinetic energy of a column of spheres on a floor.
     Column,

@@ -275,10 +275,10 @@ fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     times
 }
 
-/// Reasons that would prevent a run, found without running it. If the memory is too small, this is the only reason.
-/// Otherwise the obstacles to hard spheres are listed, as the command `plan` finds them. Limits of soft spheres are
-/// checked when a case is read; hard spheres in time steps are not checked. With more than [`MOST`] particles only the
-/// memory is checked.
+/// Reasons that would prevent a run, found without running it. If the memory is too small, the list contains only this
+/// reason. With more than [`MOST`] particles nothing else is checked. If no random start is found with limited effort,
+/// the list contains only a warning about this. For event-driven hard spheres the list contains the obstacles that the
+/// command `plan` finds. For all other models it is empty; limits of soft spheres are checked when a case is read.
 ///
 /// # Errors
 /// Returns an error if the scene is so crowded that the command `run` refuses it.

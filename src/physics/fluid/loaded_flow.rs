@@ -234,7 +234,7 @@ impl LoadedFlow {
         &self.coupling
     }
 
-    /// [m³] volume of the slice with the index `slice`, in the whole box.
+    /// [m³] volume of the slice with the index `slice`. In a channel, the equal slices at both walls count together.
     fn slice_volume(&self, slice: usize) -> f64 {
         let width = self.channel.reynolds_tau / self.coupling.slices as f64;
         let middle = (slice as f64 + 0.5) * width;

@@ -195,8 +195,8 @@ impl Ledger {
         self.pair_restitution_loss + self.pair_friction_loss + self.wall_restitution_loss + self.wall_friction_loss
     }
 
-    /// [J] energy that drag, gravity, moving walls, shear and a thermostat have given to the particles, and that came
-    /// in through inlets less that which left through outlets.
+    /// [J] energy that the particles have gained in other ways than by impacts. It is the work of drag, gravity, moving
+    /// walls, shear and a thermostat, plus the energy that came in through inlets, minus that lost through outlets.
     pub fn work(&self) -> f64 {
         self.gains().iter().sum()
     }

@@ -39,8 +39,9 @@ pub(super) fn rebound(scene: &CheckScene, angle: f64, sets: &[String]) -> Result
     })
 }
 
-/// Result of MFIX for one impact: angle from the normal [°], ratio of the velocities along the plate after and before
-/// [-], and spin [rad/s]. The numbers are those of the columns "Part-Wall".
+/// Result of MFIX for one impact: angle of impact from the normal [°], ratio of the velocities along the plate after
+/// and before the impact [-], and spin after the impact [rad/s]. The numbers are those of the columns "Part-Wall" in
+/// MFIX's files `POST_COEFF.dat` and `POST_OMEGA.dat`.
 type StoredImpact = (f64, f64, f64);
 
 const LINEAR: [StoredImpact; 6] = [

@@ -50,7 +50,7 @@ pub struct PairDistributionFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VelocityDistributionFile {
-    /// Largest speed of the histogram in units of sqrt(2T).
+    /// Largest speed of the histogram in units of sqrt(2T), with the granular temperature T [m²/s²].
     #[schemars(example = 6, extend("default" = 4, "x-range" = "0.1 ..= 100"))]
     pub largest_speed: Option<Located<Ratio>>,
     /// Number of bins of the histogram.

@@ -143,8 +143,9 @@ struct ForeignReader<'a> {
 }
 
 impl Resolver {
-    /// Reads an initial state of another program. Its kinds of particles are the species of `scene`, and its box may be
-    /// tilted only if it is the sheared box of `scene`.
+    /// Reads an initial state of another program from `text`; `source` is the index of this text in the list of
+    /// sources. The kinds of particles in the file are replaced by the species of `scene`. A tilted box is refused
+    /// unless it is the sheared box of `scene`.
     pub(super) fn foreign_table(
         &mut self,
         format: Foreign,
