@@ -75,7 +75,7 @@ class Dicts(unittest.TestCase):
             self.assertIn(words, str(raised.exception))
 
     def test_texts_survive(self):
-        name = "a \"b\" \\ \u00e9\n"
+        name = "a \"b\" \n\\ \u00e9"
         simulation = diptych.Simulation(with_particles({**SCENE["particles"][0], "name": name}), model="hard")
         self.assertEqual(simulation.species_names, [name])
 

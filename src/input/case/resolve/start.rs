@@ -76,7 +76,8 @@ impl Resolver {
             }
             let name = kind.value.name.as_ref().map_or(format!("particles {index}"), |name| name.value.clone());
             if let Some(typed) = kind.value.name.as_ref().filter(|typed| typed.value.trim() != typed.value) {
-                let help = format!("write name = \"{}\"; rows of files name kinds without these blanks", name.trim());
+                let trimmed = toml::Value::from(name.trim());
+                let help = format!("write name = {trimmed}; rows of files name kinds without these blanks");
                 return Err(self.refuse(typed, "begins or ends with a blank").help(help));
             }
             if species.iter().any(|other| other.name == name) {
