@@ -314,9 +314,10 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
     let drag = fluid.drag.as_ref().map_or_else(|| "no drag".into(), |drag| drag.law().title());
     let buoyancy = if fluid.buoyancy.is_some() { "; buoyancy" } else { "" };
     let height = scene.domain.size.y;
+    let velocity = if fluid.coupling.is_some() { "velocity without particles" } else { "frozen velocity" };
     let _ = writeln!(
         text,
-        "Gas: {} kg/m^3, kinematic viscosity {:e} m^2/s, frozen velocity along z: {:.4} m/s on average, {:.4} m/s at y = {}; {drag}{buoyancy}.",
+        "Gas: {} kg/m^3, kinematic viscosity {:e} m^2/s, {velocity} along z: {:.4} m/s on average, {:.4} m/s at y = {}; {drag}{buoyancy}.",
         fluid.density,
         fluid.kinematic_viscosity,
         bulk_velocity(fluid, height),

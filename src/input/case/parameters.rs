@@ -1,10 +1,10 @@
 //! All parameters of an experiment, with defaults and computed values, as JSON in SI.
 
 use crate::contact_law::ContactLaw;
-use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, TimeStep};
+use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Model, TimeStep};
 use crate::fluid::{EddyLaw, Fluid, Profile};
 use crate::rotation::ResistanceFriction;
-use crate::scene::{Kind, Meeting, Scene, Surface};
+use crate::scene::{Inlet, Kind, Meeting, Outlet, OutletShape, Scene, Surface};
 use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
@@ -44,9 +44,38 @@ pub fn parameters(experiment: &Experiment) -> Value {
         },
         "observe": experiment.observe,
     });
+    match experiment.model() {
+        Model::Hybrid => value["hybrid"] = json!(experiment.hybrid),
+        Model::Dsmc => value["dsmc"] = json!(experiment.dsmc),
+        Model::Soft | Model::Hard => {}
+    }
+    if !scene.outlets.is_empty() {
+        value["outlets"] = scene.outlets.iter().map(outlet).collect();
+    }
+    if !scene.inlets.is_empty() {
+        value["inlets"] = scene.inlets.iter().map(|one| inlet(one, scene)).collect();
+    }
     if let Some(thermostat) = &scene.thermostat {
         value["thermostat"] = json!(thermostat);
     }
+    value
+}
+
+fn outlet(outlet: &Outlet) -> Value {
+    let (key, shape) = match &outlet.shape {
+        OutletShape::Behind(plane) => {
+            ("plane", json!({ "point": three(&plane.point), "normal": three(&plane.normal) }))
+        }
+        OutletShape::Body(body) => ("body", json!(body)),
+        OutletShape::Mesh(mesh) => ("mesh", json!(mesh.as_ref())),
+    };
+    json!({ "name": outlet.name, key: shape })
+}
+
+/// Inlet as JSON, with the name of its species. An inlet that never ends has no end.
+fn inlet(inlet: &Inlet, scene: &Scene) -> Value {
+    let mut value = json!(inlet);
+    value["species"] = json!(scene.species.get(usize::from(inlet.species)).map(|species| &species.name));
     value
 }
 
@@ -173,6 +202,12 @@ fn fluid_parameters(fluid: &Fluid, height: f64) -> Value {
     if fluid.buoyancy.is_some() {
         value["buoyancy"] = json!(true);
     }
+    if let Some(lift) = &fluid.lift {
+        value["lift"] = json!(lift);
+    }
+    if let Some(coupling) = &fluid.coupling {
+        value["coupling"] = json!(coupling);
+    }
     if let Some(turbulence) = &fluid.turbulence {
         value["turbulence"] = match turbulence.law {
             EddyLaw::Langevin => json!({ "langevin": turbulence.langevin }),
@@ -215,6 +250,7 @@ fn particles(experiment: &Experiment) -> Vec<Value> {
                 "diameter": species.diameter,
                 "sizes": species.sizes,
                 "density": species.density,
+                "added_density": species.added_density,
                 "mass": species.mass(),
                 "count": count,
                 "volume_fraction": count as f64 * species.volume() / scene.domain.volume(),
@@ -228,4 +264,29 @@ fn particles(experiment: &Experiment) -> Vec<Value> {
             }))
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::case::Case;
+    use crate::experiment::Model;
+    use std::path::Path;
+
+    /// The parameters tell inlets, outlets, two-way coupling, and the settings of the model.
+    #[test]
+    fn parameters_name_what_the_case_sets() {
+        let rows = [
+            ("driven/chute.toml", None, &["/inlets/0/species", "/outlets/0/name"][..]),
+            ("coupling/channel-d.toml", None, &["/fluid/coupling/slices"]),
+            ("dense-gas.toml", Some(Model::Dsmc), &["/dsmc/enskog"]),
+            ("dense-gas.toml", Some(Model::Hybrid), &["/hybrid/clearance"]),
+        ];
+        for (name, model, wanted) in rows {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
+            let case = Case::read(&path, &[]).unwrap();
+            let (experiment, _) = case.experiment(model, None).unwrap();
+            let value = super::parameters(&experiment);
+            assert!(wanted.iter().all(|place| value.pointer(place).is_some_and(|found| !found.is_null())), "{value:#}");
+        }
+    }
 }

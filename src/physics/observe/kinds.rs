@@ -145,7 +145,11 @@ impl KindAverages {
         let Some((first, others)) = runs.split_first() else { return Self::default() };
         let species = first.species.iter().enumerate().map(|(place, own)| {
             let each = || runs.iter().filter_map(|run| run.species.get(place));
+            let mean = |of: fn(&SpeciesAverages) -> f64| each().map(of).sum::<f64>() / each().count().max(1) as f64;
             SpeciesAverages {
+                // inlets and outlets make the numbers of particles differ between the runs
+                count: mean(|one| one.count as f64).round() as usize,
+                number_density: mean(|one| one.number_density),
                 velocity: Estimate::mean_of(each().map(|one| one.velocity)),
                 temperature: Estimate::mean_of(each().map(|one| one.temperature)),
                 random_energy: Estimate::mean_of(each().map(|one| one.random_energy)),
@@ -185,6 +189,7 @@ impl MeetingAverages {
             count,
             rate: Estimate::mean_of(runs.iter().map(|run| run.map_or(never, |one| one.rate))),
             normal_speed: weighted(|one| one.normal_speed),
+            restitution_asked: weighted(|one| Some(one.restitution_asked)).unwrap_or(first.restitution_asked),
             // mean of the ratios of energies after and before, weighted by the numbers of impacts; impacts of one pair
             // of kinds have similar energies
             restitution: weighted(|one| one.restitution.map(|e| e * e)).filter(|square| *square > 0.0).map(f64::sqrt),

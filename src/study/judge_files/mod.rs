@@ -80,7 +80,7 @@ pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> 
 /// The name of the folder of results is made from this path.
 fn first_file(side: &JudgeSide) -> PathBuf {
     let first = side.paths.first().map_or("", String::as_str);
-    first.split(':').next().unwrap_or(first).into()
+    table::split_variant(first).0.into()
 }
 
 /// Answers for all quantities. Quantities with the same margin (largest accepted difference) and the same kind of data

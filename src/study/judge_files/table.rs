@@ -43,9 +43,7 @@ impl NumberTable {
     /// Returns an error if the file cannot be read or is no table, or if `slices` is given for a file without
     /// particles.
     pub fn read(argument: &str, slices: Option<&Located<u32>>, sources: &mut Sources) -> Result<Self, Diagnostic> {
-        let path = Path::new(argument);
-        let split = argument.rsplit_once(':').filter(|(folder, _)| !path.exists() && Path::new(folder).exists());
-        let (place, variant) = split.map_or((argument, None), |(folder, variant)| (folder, Some(variant)));
+        let (place, variant) = split_variant(argument);
         let path = if Path::new(place).is_dir() { Path::new(place).join(SERIES) } else { Path::new(place).to_owned() };
         let text = read_text(&path).map_err(|why| {
             Diagnostic::about(path.display().to_string(), format!("cannot read `{}`: {why}", path.display())).help(
@@ -254,6 +252,13 @@ impl NumberTable {
         let help = "numbers have a point as the decimal mark; leave out rows and columns without numbers";
         Err(sources.error(&self.origin(row), message).help(help))
     }
+}
+
+/// Path, and the name of a variant if the argument has the form `FOLDER:VARIANT`. A file whose name contains a colon is
+/// a path as it stands.
+pub fn split_variant(argument: &str) -> (&str, Option<&str>) {
+    let is_folder = |(folder, _): &(&str, &str)| !Path::new(argument).exists() && Path::new(folder).exists();
+    argument.rsplit_once(':').filter(is_folder).map_or((argument, None), |(folder, variant)| (folder, Some(variant)))
 }
 
 /// Names in backquotes, separated by commas; at most the first 30 names.
