@@ -4,7 +4,7 @@ use diptych::triangles::TriangleFile;
 use diptych::{ContactLaw, Mesh, Plane, Wall, WallGeometry};
 use diptych::{Domain, Experiment, Population, Scene, Simulation, Species, Spheres, Surface, Vector3};
 
-/// Runs 100 soft beads of 3 mm in a box of 60 x 60 x 130 mm.
+/// Runs 100 soft beads with diameters of 3 mm in a box of 60 x 60 x 130 mm.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut file = TriangleFile::read("cases/walls/hopper.stl")?.scaled(1e-3); // the file is in mm
     file.heap.iter_mut().flatten().for_each(|corner| *corner += Vector3::new(0.03, 0.03, 0.032));
@@ -17,7 +17,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let walls = shapes.map(|shape| Wall::new(shape, surface)).into();
     let beads = vec![Species::new("glass", 3e-3, 2500.0)];
     let scene = Scene { gravity: -9.81 * Vector3::z(), walls, ..Scene::new(domain, surface, beads) };
-    let soft = Spheres::Soft(ContactLaw::linear(2000.0)); // N/m
+    let soft = Spheres::Soft(ContactLaw::linear(2000.0)); // stiffness in N/m
     let mut simulation =
         Simulation::from_start(&Experiment::new(scene, vec![Population::random(0, 100, 0.0)], soft, 0.1))?;
     simulation.run_until(0.1)?;

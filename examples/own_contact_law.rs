@@ -4,7 +4,7 @@ use diptych::contact_law::{Bodies, Law, Parameter, Spring};
 use diptych::{ContactLaw, Domain, Experiment, Population, Scene, Simulation, Species, Spheres, Surface, Vector3};
 
 #[derive(Debug)]
-struct Square(f64); // N/m^2
+struct Square(f64); // stiffness in N/m^2
 
 impl Law for Square {
     fn between(&self, bodies: &Bodies) -> Spring {
@@ -23,7 +23,7 @@ impl Law for Square {
     }
 }
 
-/// Runs 125 elastic spheres in a periodic box of 2 mm.
+/// Runs 125 elastic spheres in a periodic box with edges of 2 mm.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (domain, contact) = (Domain::new(Vector3::repeat(2e-3), [true; 3]), Surface::new(1.0, 0.0));
     let scene = Scene::new(domain, contact, vec![Species::new("glass", 2e-4, 2500.0)]);

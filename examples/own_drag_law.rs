@@ -23,7 +23,7 @@ impl DragLaw for CliftGauvin {
 /// Runs one sphere that starts at rest in a uniform wind of 15 m/s.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let drag = Drag::Other(std::sync::Arc::new(CliftGauvin));
-    let air = Fluid::new(1.205, 1.515e-5, Profile::Uniform(15.0), Some(drag)); // kg/m^3, m^2/s
+    let air = Fluid::new(1.205, 1.515e-5, Profile::Uniform(15.0), Some(drag)); // density kg/m^3, viscosity m^2/s
     let (domain, contact) = (Domain::new(Vector3::repeat(0.1), [true; 3]), Surface::new(1.0, 0.0));
     let beads = Species::new("polystyrene", 1.5e-3, 1032.0);
     let scene = Scene { fluid: Some(air), ..Scene::new(domain, contact, vec![beads]) };

@@ -15,14 +15,14 @@
 //! ```
 //!
 //! A window h is the time between two exchanges of momentum with the gas. A half-kick changes the velocities as the
-//! drag of the gas does during h/2.
+//! drag of the gas does during h/2. Observers are the measurements during a run.
 //!
 //! Without the feature `program` (on by default) the crate has no command line, no studies and no output files. Without
-//! the feature `case` it cannot read case files. The modules of the crate `diptych_physics` (from `clock` to
-//! `outcome`), with all physics, need no feature.
+//! the feature `case` it cannot read case files. The crate `diptych_physics` contains all physics (the modules from
+//! `clock` to `outcome`) and needs no feature.
 //!
-//! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. Modules import only from modules above
-//! them in the list below.
+//! All quantities are in SI units; x is spanwise, y wall-normal, z streamwise. In the list of modules in this file,
+//! each module imports only from the modules above it.
 //!
 //! The crate re-exports all modules of the physics and of the reader of cases. The root of the crate also has the names
 //! of the types that a typical program uses. The programs in `examples/` use these names.

@@ -62,8 +62,8 @@ fn say(why: &clap::Error) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Runs a command and returns the exit code of a success. With `--exit-code` the code depends on the verdict; otherwise
-/// it is 0.
+/// Runs a command and returns the exit code of a success. With `--exit-code` the code of a comparison or of the
+/// validation depends on its answer (see [`verdict`]); otherwise the code is 0.
 fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     let done = match command {
         #[cfg(feature = "lab")]

@@ -68,7 +68,8 @@ impl MovingParticles {
             return Ok(Arc::clone(lent));
         }
         let Self { simulation, pool, .. } = self;
-        // between two samples the velocities lack half a kick of drag, which is added before they are read
+        // between two samples (instants of measurement) the velocities lack half a kick (change by drag), which is
+        // added before they are read
         pool.install(|| simulation.complete())?;
         let lent = Arc::new(std::mem::take(&mut self.simulation.particles));
         self.lent = Some(Arc::clone(&lent));

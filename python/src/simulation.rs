@@ -68,8 +68,8 @@ fn model_of(name: &str) -> PyResult<Model> {
 }
 
 impl Simulation {
-    /// Particles and engine. An error is returned if another thread runs the simulation. Waiting for this thread would
-    /// block the interpreter, which the thread may need in order to stop.
+    /// Access to the particles and the engine. An error is returned if another thread runs the simulation. Waiting for
+    /// this thread would block the interpreter, which the thread may need in order to stop.
     fn at_rest(&self) -> PyResult<MutexGuard<'_, MovingParticles>> {
         unlocked(&self.moving, "another thread runs this simulation")
     }
@@ -179,8 +179,9 @@ impl Simulation {
         Ok(Self { moving: Mutex::new(moving), drag: Mutex::new(None), experiment, energy_at_start })
     }
 
-    /// Runs until `time` [s]. `observer(simulation)` is called at every sample of the case, at the end of every window
-    /// (`every="window"`), or every so many seconds of simulated time (`every=0.1`). The last call is at `time`.
+    /// Runs until `time` [s]. `observer(simulation)` is called at every sample of the case (instant of measurement), at
+    /// the end of every window (`every="window"`), or every so many seconds of simulated time (`every=0.1`). The last
+    /// call is at `time`.
     #[pyo3(signature = (time, observer=None, *, every=None))]
     fn run_until(
         slf: &Bound<'_, Self>,

@@ -37,7 +37,7 @@ impl RunIdentity {
     /// Creates the identity of the run of an experiment; `start` is a checksum of the initial state of the particles.
     ///
     /// # Errors
-    /// If the experiment cannot be written as JSON.
+    /// Returns an error if the experiment cannot be written as JSON.
     pub fn new(experiment: &Experiment, start: u64) -> Result<Self, serde_json::Error> {
         let Experiment {
             name,

@@ -48,7 +48,7 @@ fn program() -> String {
 /// Makes the bytes of a checkpoint file that contains the data of `value`.
 ///
 /// # Errors
-/// Errors of [`Stored::of`].
+/// Returns the errors of [`Stored::of`].
 pub fn seal<T: Serialize>(value: &T) -> Result<Vec<u8>, StoreError> {
     let mut bytes = [MAGIC, program().as_bytes(), b"\n"].concat();
     bytes.extend_from_slice(Stored::of(value)?.as_bytes());
@@ -60,8 +60,8 @@ pub fn seal<T: Serialize>(value: &T) -> Result<Vec<u8>, StoreError> {
 /// Reads the value stored in the bytes of a checkpoint file.
 ///
 /// # Errors
-/// An [`Unreadable`] if the bytes are incomplete or changed, were written by another program, or contain a value of
-/// another type.
+/// Returns an [`Unreadable`] if the bytes are incomplete or changed, were written by another program, or contain a
+/// value of another type.
 pub fn open<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Unreadable> {
     if !bytes.starts_with(MAGIC) {
         // a file that contains only a part of the first line counts as damaged

@@ -1,4 +1,4 @@
-//! Reads and writes the files of a checkpoint.
+//! Reads and writes the files of a checkpoint, from which a stopped command is continued.
 
 use super::command::{RunIdentity, StoredCommand};
 use super::envelope::{Unreadable, open, seal};
@@ -61,7 +61,7 @@ impl Store {
     /// Stores a command at its start, and removes the checkpoint of an earlier command.
     ///
     /// # Errors
-    /// If a file cannot be written.
+    /// Returns an error if a file cannot be written.
     pub fn begin(&self, command: &StoredCommand) -> Result<(), OutputError> {
         self.remove()?;
         self.replace_command(command)
@@ -70,7 +70,7 @@ impl Store {
     /// Stores a command that continues the runs of an earlier command, in place of the earlier one.
     ///
     /// # Errors
-    /// If a file cannot be written.
+    /// Returns an error if a file cannot be written.
     pub fn replace_command(&self, command: &StoredCommand) -> Result<(), OutputError> {
         COMMAND.iter().try_for_each(|name| self.write(name, command))
     }
@@ -78,7 +78,7 @@ impl Store {
     /// Reads the command to be continued. It is stored in two equal files; the first one that can be used is read.
     ///
     /// # Errors
-    /// If no file can be used: the reason for the first file.
+    /// Returns the reason for the first file if no file can be used.
     pub fn command(&self) -> Result<StoredCommand, Unreadable> {
         let [first, copy] = COMMAND;
         match self.read(first) {
@@ -94,7 +94,7 @@ impl Store {
     /// [`keep`](Self::keep) or, if the run is over, by [`finish`](Self::finish).
     ///
     /// # Errors
-    /// If a file cannot be written; the state then cannot be stored.
+    /// Returns an error if a file cannot be written; the state then cannot be stored.
     pub fn keep_part(&self, run: &RunIdentity, over: bool, number: usize, part: &[u8]) -> Result<(), OutputError> {
         let of = if over { done(run) } else { self.generations[(self.next % 2) as usize].clone() };
         let age = if over { 0 } else { self.next };
@@ -106,7 +106,7 @@ impl Store {
     /// which checks that all files of the state can be used.
     ///
     /// # Errors
-    /// If the file cannot be used.
+    /// Returns an error if the file cannot be used.
     pub fn part(&self, run: &RunIdentity, over: bool, number: usize) -> Result<Vec<u8>, Unreadable> {
         if over {
             return self.read_part(&done(run), (0, run), number);
@@ -134,7 +134,7 @@ impl Store {
     /// Stores the next state of the present run in place of the older of the two stored states.
     ///
     /// # Errors
-    /// If the file cannot be written; both stored states are then unchanged.
+    /// Returns an error if the file cannot be written; both stored states are then unchanged.
     pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun) -> Result<(), OutputError> {
         self.write(&self.generations[(self.next % 2) as usize], &(self.next, run, kept))?;
         self.next += 1;
@@ -164,11 +164,11 @@ impl Store {
     /// was computed from them. The separate state files of one of several concurrent runs are then removed.
     ///
     /// # Errors
-    /// If a file cannot be written.
+    /// Returns an error if a file cannot be written.
     pub fn finish<T: Serialize>(&self, run: &RunIdentity, end: &T) -> Result<(), OutputError> {
         self.write(&done(run), &(run, end))?;
-        // if several runs are done at the same time, each has separate files for its states: these are no longer
-        // needed, and no other run would replace them
+        // if several runs are done at the same time, each has separate files for its states: after the end of the run
+        // these files are no longer needed, and no other run would replace them
         for name in self.generations.iter().filter(|name| !GENERATIONS.contains(&name.as_str())) {
             let _ = std::fs::remove_file(self.place.join(name));
         }
@@ -179,7 +179,7 @@ impl Store {
     /// data are stored, or if the file belongs to another run.
     ///
     /// # Errors
-    /// The path of the file and the reason, if the file cannot be used.
+    /// Returns the path of the file and the reason if the file cannot be used.
     pub fn finished(&self, run: &RunIdentity) -> Result<Option<StoredRun>, (PathBuf, Unreadable)> {
         let name = done(run);
         match self.read::<(RunIdentity, StoredRun)>(&name) {
@@ -199,7 +199,7 @@ impl Store {
     /// Removes the files of the checkpoint, and also the subfolder if it contains no other files.
     ///
     /// # Errors
-    /// If a file cannot be removed.
+    /// Returns an error if a file cannot be removed.
     pub fn remove(&self) -> Result<(), OutputError> {
         let entries = match std::fs::read_dir(&self.place) {
             Ok(entries) => entries,

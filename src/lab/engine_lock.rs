@@ -3,7 +3,8 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Lock that all sessions of a lab share. A session computes only while it holds this lock.
+/// Lock that all sessions of a lab share; each open page has a session. A session computes only while it holds this
+/// lock.
 #[derive(Clone, Debug, Default)]
 pub struct EngineLock(Arc<Mutex<()>>);
 

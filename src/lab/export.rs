@@ -1,9 +1,10 @@
 //! `diptych lab --export`: one file with a scene of the lab and recorded runs, which needs neither the program nor a
 //! network.
 //!
-//! A run is recorded for the case as it is. Further runs have each other setup of the right panel (collision model and
-//! changes to the case), and several values of each parameter, one at a time. The page of the lab plays these runs by
-//! the script `recorded.js`, which takes the place of the connection to the program.
+//! A run is recorded for the case as it is. The page has two panels, which show simulations side by side. There is a
+//! further run for each other setup of the right panel (collision model and changes to the case), and for each of
+//! several values of each parameter. The page of the lab plays these runs by the script `recorded.js`, which takes the
+//! place of the connection to the program.
 
 use super::frame::{DrawnParticle, Now, PanelComparison};
 use super::page::{ASSETS, RECORDED};

@@ -1,4 +1,4 @@
-//! Frame of the lab: data of one instant, from which the page draws its panels.
+//! Frame of the lab: data of one instant, from which the page draws its panels (simulations side by side).
 //!
 //! A frame is a sequence of bytes, little endian: the length of the JSON in bytes (u32), the JSON, and blanks up to a
 //! multiple of four. Then come the particles of each panel, in the order of their ids. Each particle has x, y, z [m],
@@ -20,8 +20,8 @@ pub struct Now {
     pub state: &'static str,
     /// Reason why the run failed, as one word and as a sentence; `None` if it did not fail.
     pub failure: Option<(&'static str, String)>,
-    /// Rows of quantities measured since the previous frame (data of one instant sent to the page). A row has one value
-    /// for each column of the graphs, in the unit of this column.
+    /// Rows of quantities measured since the previous frame (data of one instant sent to the page). A live view sends
+    /// all its rows. A row has one value for each column of the graphs, in the unit of this column.
     pub rows: Vec<Vec<f64>>,
     /// Numbers of the run that the page shows next to the panel.
     pub live: Live,
@@ -52,7 +52,8 @@ pub struct Live {
     pub walls: u64,
     /// [-] realised restitution as root mean square over all impacts, of pairs and at walls; `None` without an impact.
     pub restitution: Option<f64>,
-    /// [-] largest overlap so far, divided by the diameter of the smaller sphere; `None` without an overlap.
+    /// [-] largest overlap in the finished impacts, divided by the diameter of the smaller sphere; `None` without an
+    /// impact.
     pub overlap: Option<f64>,
     /// [s] mean duration of the impacts of pairs and at walls; `None` without an impact.
     pub duration: Option<f64>,

@@ -24,7 +24,8 @@ pub enum Gauge {
     Speeds,
     /// Height of one sphere above the floor, and the number of its impacts on the floor.
     Bounces,
-    /// Granular temperature of a gas, and mean number of collisions of a sphere.
+    /// Granular temperature of a gas divided by its initial value, and mean number of collisions of a sphere since the
+    /// start.
     Gas,
     /// Energy of a gas divided by its initial energy; it should be constant.
     Energy,
@@ -39,7 +40,8 @@ pub enum Gauge {
     Spin,
     /// Height of the first ball of a heap above the floor, and spin of the second ball.
     Heap,
-    /// Mean number of collisions of a sphere in a gas, and share of all collisions that time steps miss.
+    /// Mean number of collisions of a sphere in a gas since the start, and share of all collisions that time steps
+    /// miss.
     Missed,
 }
 

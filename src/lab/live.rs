@@ -36,7 +36,7 @@ const MOST_DRAWN: usize = 20_000;
 /// Largest number of points of a curve, which is more than a picture of 440 pixels shows.
 const MOST_ROWS: usize = 500;
 
-/// [-] largest shift by rounding of the time of a sample (instant of measurement), divided by the time between two
+/// [-] largest rounding error in the time of a sample (instant of measurement), divided by the time between two
 /// samples.
 const ROUNDING: f64 = 1e-6;
 
@@ -159,7 +159,8 @@ impl LiveView {
         }
     }
 
-    /// Makes a frame (data of the present instant for the page). `state` is that of the run: `running` or `over`.
+    /// Makes a frame (data of the present instant for the page), and adds a point to the curves. `state` is that of the
+    /// run: `running` or `over`.
     pub fn show(&mut self, simulation: &Simulation, state: &'static str) {
         let (now, time) = (self.clock.now(), simulation.time);
         let at_start = *self.at_start.get_or_insert_with(|| simulation.energy());
@@ -208,7 +209,8 @@ impl Observer for LiveView {
     }
 
     fn needs_velocities(&self) -> bool {
-        // between samples the velocities lack half a kick of drag, too little to be seen in a picture
+        // between samples the velocities lack half a kick (change of velocity by drag), too little to be seen in a
+        // picture
         false
     }
 

@@ -6,8 +6,9 @@
 //!          <--frames------------------------- <--tells--
 //! ```
 //!
-//! A scene is a case of `cases/` with changes in the form of `--set` arguments. If the page has not drawn the two
-//! latest frames, no new frame is computed, so a slow page gets fewer frames.
+//! A scene is a case of `cases/` with changes in the form of `--set` arguments. A panel shows one simulation. Asks are
+//! requests of the page, tells are messages to it, and frames are pictures of one instant. If the page has not drawn
+//! the two latest frames, no new frame is computed, so a slow page gets fewer frames.
 //!
 //! The lab reads and writes no files, unless `--export` requests a file. The address of the lab contains a secret
 //! token. A request that names another host than this machine is refused ([`access`]).
@@ -43,7 +44,8 @@ use std::time::Duration;
 /// Wall time between two checks whether a signal to stop has come, such as that of Ctrl-C.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// Runs `diptych lab`: serves the page until Ctrl-C or the signal to terminate.
+/// Runs `diptych lab`: serves the page until Ctrl-C or the signal to terminate. With `--export`, writes a page to a
+/// file instead.
 ///
 /// # Errors
 /// Returns an error for bad input if the port is taken, or if the system refuses to set a handler for signals. It
@@ -64,7 +66,7 @@ pub fn lab(args: &cli::Lab) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Writes a page with recorded runs of a scene to a new file.
+/// Writes a page with recorded runs of a scene to a new file. An existing file is an error.
 fn write_page(scene: &str, file: &Path) -> Result<(), StudyError> {
     let scene = export::scene_named(scene).map_err(StudyError::Input)?;
     if file.exists() {

@@ -2,7 +2,7 @@
 
 /// One file of the page of the lab, such as a script.
 pub struct Asset {
-    /// Path of the file in the address, after the token.
+    /// Path of the file in the address, after the token (secret text that every address contains).
     pub path: &'static str,
     /// Content type of the file, which the server sends to the browser.
     pub kind: &'static str,

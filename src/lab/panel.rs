@@ -18,9 +18,9 @@ use std::time::Duration;
 /// measured, only every n-th row is sent.
 const MOST_ROWS: usize = 100;
 
-/// Smallest number of windows per frame (picture on the page) at the default pace of a scene. Windows are pieces of the
-/// run, after each of which the panel can show its state. With two windows, the motion is smooth at a slower pace as
-/// well.
+/// Smallest number of windows per frame (picture on the page) at the default pace (simulated time over wall time) of a
+/// scene. Windows are pieces of the run, after each of which the panel can show its state. With two windows, the motion
+/// is smooth at a slower pace as well.
 const WINDOWS_PER_FRAME: f64 = 2.0;
 
 /// Running simulation of one panel, with the observers that measure it.
@@ -79,7 +79,7 @@ impl<'a> LabPanel<'a> {
     }
 
     /// Continues the run until it reaches the simulated time `until` [s], the wall time `most` has passed, or the run
-    /// has ended.
+    /// has ended or failed.
     pub fn run(&mut self, until: f64, most: Duration) {
         if self.over || self.simulation.time >= until {
             return;

@@ -34,8 +34,8 @@ pub enum LabParameter {
     Integrator,
     /// [µs] length of the window h, the time between two exchanges of momentum with the gas.
     Window,
-    /// Number of particles of a gas. If it changes, the size of the box changes too, so that the volume fraction stays
-    /// constant.
+    /// Number of particles in a scene of many particles. If it changes, the periodic sides of the box change too, so
+    /// that the volume fraction stays constant.
     Count,
     /// Number of spheres in a row of spheres.
     Row,

@@ -1,4 +1,4 @@
-//! Messages between the page and the server of the lab.
+//! Messages between the page and the server of the lab. The page has two panels, which show simulations side by side.
 //!
 //! The page sends requests of the type [`Ask`] as JSON. The server sends messages of the type [`Tell`] as JSON, and
 //! frames (`frame.rs`) as bytes.

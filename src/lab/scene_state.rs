@@ -1,4 +1,5 @@
-//! Scene of the lab with the settings of the user, and the experiments of both panels that result from them.
+//! Scene of the lab with the settings of the user, and the resulting experiments of both panels. A panel shows one of
+//! two simulations side by side.
 
 use super::parameter::{LabParameter, soft_method};
 use super::protocol::{Opened, PanelDescription as Heading, SceneChoice, ShownParameter};

@@ -1,9 +1,9 @@
-//! Session of an open page of the lab: runs two panels side by side while the page is visible. Each session has its own
-//! thread.
+//! Session of an open page of the lab: runs two panels (simulations side by side) while the page is visible. Each
+//! session has its own thread.
 //!
 //! Both panels advance to the same simulated time. A frame is the picture of one instant. Nothing is computed while the
-//! page has received two frames that it has not drawn. A slow, hidden or paused page therefore causes no work, and a
-//! page always shows a recent frame.
+//! page is hidden or paused, or has received two frames that it has not drawn. A page therefore always shows a recent
+//! frame.
 
 use super::engine_lock::EngineLock;
 use super::protocol::{Ask, Listed, SceneChoice, Tell};
@@ -16,7 +16,8 @@ use tokio::sync::mpsc::Sender;
 /// Largest number of frames (pictures of one instant) that have been sent to the page, but that the page has not drawn.
 const UNDRAWN: u32 = 2;
 
-/// [-] smallest and largest factor that a user can apply to the default pace of a scene.
+/// [-] smallest and largest factor that a user can apply to the default pace (simulated time over wall time) of a
+/// scene.
 const PACES: [f64; 2] = [0.02, 10.0];
 
 /// Message of a session to its page.
@@ -114,8 +115,8 @@ impl Session {
         }
     }
 
-    /// Handles requests of the page until the next frame (picture of one instant) is due. Returns the new scene, or
-    /// `None` if the page has opened no scene.
+    /// Handles requests of the page until the next frame (picture of one instant) is due. If none is to be computed,
+    /// waits for a request. Returns the new scene, or `None` if the page has opened no scene that can be run.
     fn listen(&self, wish: &mut Wish, run: &StageRun) -> Result<Option<SceneState>, Gone> {
         let mut choice = None;
         let mut ask = if wish.wants(run) {

@@ -1,4 +1,5 @@
-//! Opened scene of the lab while it runs: both panels, and the times of the latest frame and of the latest comparison.
+//! Opened scene of the lab while it runs: both panels (simulations side by side), and the times of the latest frame and
+//! of the latest comparison.
 
 use super::frame::{DrawnParticle, Head, Now, PanelComparison, bytes};
 use super::panel::LabPanel;
@@ -66,15 +67,16 @@ impl<'a> StageRun<'a> {
     }
 
     /// [s] simulated time by which the panels advance for the next frame (picture on the page): wall time since the
-    /// previous frame times pace. `factor` [-] multiplies the default pace. If `single` is true, the wall time is that
-    /// from one frame to the next.
+    /// previous frame, times the pace (simulated time over wall time). `factor` [-] multiplies the default pace. If
+    /// `single` is true, the wall time is that from one frame to the next.
     pub fn stretch(&self, factor: f64, single: bool) -> f64 {
         let passed = if single { FRAME } else { (self.clock.now() - self.shown).min(LATEST) };
         self.stage.pace() * factor * passed.as_secs_f64()
     }
 
-    /// Advances both panels to the same simulated time: the time of the panel that is behind, plus `stretch` [s]. Then
-    /// compares the panels if the latest comparison is older than 1.5 s of wall time.
+    /// Advances both panels to the same simulated time: the time of the running panel that is behind, plus `stretch`
+    /// [s]. A panel computes for at most 14 ms of wall time, and may then stay behind. At the end, the panels are
+    /// compared if the latest comparison is older than 1.5 s of wall time.
     pub fn go_on(&mut self, stretch: f64) {
         let times = self.panels.iter().filter_map(LabPanel::running);
         let until = times.fold(f64::INFINITY, f64::min) + stretch;
@@ -122,8 +124,8 @@ fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 5]> {
     let rows = table.slices.iter().enumerate().map(|(slice, row)| {
         let normal: Option<Vec<f64>> = [UU, VV, WW].into_iter().map(|one| Some(row.of(one)?.value)).collect();
         let temperature = normal.map(|normal| normal.iter().sum::<f64>() / 3.0);
-        // the three stresses of one run are correlated, so their averages over each interval of time are added before
-        // the error is computed
+        // the moments uu, vv and ww of one run are correlated, so their averages over each interval of time are added
+        // before the error is computed
         let parts: Option<Vec<_>> =
             [UU, VV, WW].into_iter().map(|one| Some((1.0 / 3.0, table.batches(slice, one)?))).collect();
         let blocks = parts.and_then(|parts| Batches::sum(&parts)).and_then(|blocks| blocks.estimate());

@@ -182,9 +182,9 @@ impl ChartPoint {
     }
 }
 
-/// Cheapest point of the given models whose error in a quantity plus two standard errors of this error is at most
-/// `target` [-]. The two standard errors exclude points whose error is small by chance. `None` if there is no such
-/// point.
+/// Cheapest point of the models in `models` whose error in the quantity with the index `quantity`, plus two standard
+/// errors of this error, is at most `target` [-]. The two standard errors exclude points whose error is small by
+/// chance. `None` if there is no such point.
 pub fn cheapest<'a>(
     (methods, points): (&[ChartMethod], &'a [ChartPoint]),
     quantity: usize,
@@ -201,9 +201,9 @@ pub fn cheapest<'a>(
 }
 
 impl ChartStudy<'_> {
-    /// Indices of the points of the given models on the Pareto front of a quantity, in order of cost. No other point of
-    /// these models has both a smaller cost and a smaller error. Errors below the statistical floor (error by chance
-    /// alone) are replaced by the floor.
+    /// Indices of the points of the models in `models` on the Pareto front of the quantity with the index `quantity`,
+    /// in order of cost. No other point of these models has both a smaller cost and a smaller error. Errors below the
+    /// statistical floor (error by chance alone) are replaced by the floor.
     pub fn front(&self, quantity: usize, cost: CostMeasure, models: &[Model]) -> Vec<usize> {
         let floor = self.quantities.get(quantity).map_or(0.0, |quantity| quantity.floor);
         let asked = |point: &ChartPoint| models.contains(&self.methods[point.method].model);

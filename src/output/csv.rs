@@ -124,8 +124,8 @@ pub fn meetings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `impacts.csv`: histograms of the impacts of every variant. Overlaps are divided by the diameter of the
-/// smaller sphere. If all values are zero, such as overlaps of hard spheres, the table has one row for a bin without
-/// width and without a density.
+/// smaller sphere. If all values of a quantity are zero, such as overlaps of hard spheres, it has one row for a bin
+/// without width and density.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -191,8 +191,8 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `budgets.csv`: terms of the budgets of the second moments of velocity [m²/s³]. There is one row per
-/// moment and slice of the box across y, with the centre y [m] of the slice. Rows without a slice are means over all
-/// particles. Columns with `_se` contain one standard error.
+/// moment and slice of the box across y, with the centre y [m] of the slice. Rows with an empty slice are means over
+/// all particles. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -378,8 +378,8 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
 /// failure.
 const MAP_ENDS: [&str; 2] = ["outcome", "message"];
 
-/// Contents of `sweep.csv`: one row per point and variant. Values of swept keys are in SI if they are numbers;
-/// otherwise they are as typed. Columns with `_se` contain one standard error.
+/// Contents of `sweep.csv`: one row per point (one value for each swept key) and variant. Values of swept keys are in
+/// SI if they are numbers; otherwise they are as typed. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -411,8 +411,8 @@ pub fn sweep(study: &SweepStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `sensitivity.csv`: one row per factor and observable. Scales, shifts and their standard errors are in
-/// the unit of the observable. Columns relative to the scale or to the margin (largest accepted difference) are [-].
+/// Contents of `sensitivity.csv`: one row per factor (changed input) and observable. Scales, shifts and their standard
+/// errors are in the unit of the observable. Columns over scale or margin (largest accepted difference) are [-].
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

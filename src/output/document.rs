@@ -1,6 +1,6 @@
-//! Content of the report of a study, independent of the format: sentences, tables, pictures, and numbers of the
-//! summary. The module [`html`](super::html) makes a page from the content. [`text`] makes lines for a terminal from
-//! it. A variant is one of the experiments of a case.
+//! Content of the report of a study, independent of the format: sentences, tables, pictures, and numbers for the file
+//! `summary.json`. The module [`html`](super::html) makes a page from the content. [`text`] makes lines for a terminal
+//! from it. A variant is one of the experiments of a case.
 
 use super::Provenance;
 use super::numbers::UNKNOWN;
@@ -57,7 +57,7 @@ pub(super) enum Block {
     Verdict(String),
     Note(String),
     List(Vec<String>),
-    /// Terms with their values; terms with an empty value are left out.
+    /// Terms with their values. The page leaves out terms with an empty value.
     Entries(Vec<(String, String)>),
     Table(Table),
     /// Table of answers, with quantities in rows and variants in columns.
@@ -94,7 +94,7 @@ pub(super) fn columns(head: &str) -> Vec<String> {
     head.split(" | ").map(String::from).collect()
 }
 
-/// Returns `text` if the value in it is known, otherwise the sign for an unknown value.
+/// Returns `text` if `is_known` is true (the value in the text is known), otherwise the sign for an unknown value.
 pub(super) fn known(is_known: bool, text: String) -> String {
     if is_known { text } else { UNKNOWN.into() }
 }
@@ -104,7 +104,7 @@ pub(super) struct Document<'a> {
     pub provenance: &'a Provenance,
     /// Variants that stopped early, each as its name and its failure.
     pub failures: Vec<(&'a str, &'a Failure)>,
-    /// Answers of the study in sentences, the shortest first.
+    /// Answers of the study in sentences: first the main answers, then further ones.
     pub verdicts: &'a [String],
     /// Number of `verdicts` that are shown at the top of the page. The other verdicts are hidden until the reader opens
     /// them.

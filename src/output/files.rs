@@ -28,8 +28,8 @@ pub(super) const VTK: &str = "vtk";
 /// Name of the report page. A comparison also writes this page after each variant, before [`SUMMARY`] exists.
 const REPORT: &str = "report.html";
 
-/// Names of tables that a run may write, apart from [`SUMMARY`]. They are removed when results are replaced, so that no
-/// file of an earlier run remains.
+/// Names of the tables and of the page that a run may write, apart from [`SUMMARY`]. They are removed when results are
+/// replaced, so that no file of an earlier run remains.
 const TABLES: [&str; 23] = [
     "series.csv",
     "paths.csv",
@@ -72,7 +72,7 @@ const LOCK: &str = ".diptych-lock";
 /// Name of the subfolder of checkpoints. It exists while a command runs, after a stop, and after a sweep.
 pub const CHECKPOINT: &str = "checkpoint";
 
-/// Names of two files with equal contents in the subfolder of checkpoints: the command line and the identities of its
+/// Names of two files in the subfolder of checkpoints. Each of them contains the command line and the identities of its
 /// runs. All other files in this subfolder contain stored states of a run, or are temporary files ([`ASIDE`]).
 pub const COMMAND: [&str; 2] = ["command", "command-copy"];
 
@@ -122,7 +122,8 @@ pub struct Folder {
     path: PathBuf,
     /// True if the folder contains results of an earlier run. They are removed when the first new file is complete.
     stale: AtomicBool,
-    /// True if a resumed run writes into the folder, whose existing trajectories then belong to the run.
+    /// True if a resumed run writes into the folder, or if another process has created it. Existing trajectories in it
+    /// then belong to the run.
     resumed: bool,
     /// Paths of the pictures written so far, in the order of writing.
     pictures: Mutex<Vec<PathBuf>>,
@@ -132,8 +133,8 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Creates the folder with its subfolder `figures`, unless they exist. The call should precede the computation, so
-    /// that an unusable folder is refused before the computation.
+    /// Creates the folder with its subfolder `figures`, unless they exist, and locks the folder. The call should
+    /// precede the computation, so that an unusable folder is refused before the computation.
     ///
     /// # Errors
     /// [`OutputError::Occupied`] if the folder contains a `summary.json` or `report.html` and `overwrite` is false.
@@ -202,7 +203,8 @@ impl Folder {
     }
 
     /// Writes one file and returns its path; `name` is relative to the folder. The bytes are first written to a
-    /// temporary file, which is then renamed. A reader therefore finds the complete file or none.
+    /// temporary file, which is then renamed. A reader therefore finds the complete file or none. Before the first file
+    /// appears, the files of an earlier run are removed.
     ///
     /// # Errors
     /// [`OutputError::Io`] with the path, if the file cannot be written. An existing file of that name remains
@@ -317,7 +319,8 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // an earlier run may have left folders that are empty now; the system refuses to remove others
+        // an earlier run may have left folders that are empty now; the system refuses to remove folders that contain
+        // files
         let places = self.trajectory_folders().into_iter().rev().chain([VTK.to_owned(), MAPS.to_owned()]);
         places.filter(|_| !self.resumed).for_each(|place| drop(std::fs::remove_dir(self.path.join(place))));
         unlock(&self.path, self.lock.take());

@@ -16,11 +16,11 @@ pub struct SideSummary {
     pub samples: usize,
     /// Average of the quantity from the start of averaging to the end; `None` if it cannot be computed.
     pub mean: Option<Estimate>,
-    /// [s] start of averaging, or in the unit of the times in the files if that unit is unknown. `None` for a single
-    /// value, which has no times.
+    /// [s] instant at which averaging starts. If the unit of the times in the files is unknown, the number is in that
+    /// unit. `None` for a single value, which has no times.
     pub from: Option<f64>,
-    /// [s] integral correlation time of the quantity, or in the unit of the times in the files if that unit is unknown.
-    /// `None` if it cannot be computed.
+    /// [s] integral correlation time of the quantity. If the unit of the times in the files is unknown, the number is
+    /// in that unit. `None` if it cannot be computed.
     pub correlation_time: Option<f64>,
     /// Result of the test for a steady state; `None` for a single value, which has no times.
     pub steadiness: Option<Steadiness>,
@@ -33,7 +33,8 @@ pub struct FilesQuantity {
     pub name: String,
     /// SI unit of the quantity; empty if the settings give none.
     pub unit: String,
-    /// [-] margin of equivalence: largest accepted difference, divided by the scale of the quantity.
+    /// [-] margin of equivalence: largest accepted difference, divided by the scale (reference magnitude) of the
+    /// quantity.
     pub margin: f64,
     /// Kind of data by which the two sides are compared.
     pub basis: Basis,

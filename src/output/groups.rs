@@ -9,8 +9,8 @@ use crate::outcome::Outcome;
 pub(super) const TOLD_APART: usize = 6;
 
 /// Index of the reference of each variant. The reference is the variant that the key `against` names, if there is one.
-/// A variant that is named by another variant, or compared with a table, is its own reference. All other variants have
-/// the first hard variant as reference, or the first variant if none is hard.
+/// A variant is its own reference if it names none but another variant names it, or if it is compared with a table. All
+/// other variants have the first hard variant as reference, or the first variant if none is hard.
 pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
     let rest = outcomes.iter().position(|outcome| outcome.experiment.model() == Model::Hard).unwrap_or(0);
     // a variant whose reference has not been run is its own reference
@@ -29,14 +29,15 @@ pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
 
 /// Variants that are drawn together in one panel of a picture.
 pub(super) struct PanelGroup<'a> {
-    /// Common beginning of the names of the variants in the group; empty if there is only one group.
+    /// Common beginning of the names of the variants in the group, or the name of their reference; empty if there is
+    /// only one group.
     pub title: String,
     /// Remaining part of the name of each variant, with its outcome.
     pub members: Vec<(String, &'a Outcome)>,
 }
 
-/// Returns one group of all variants if readers can distinguish them in a panel. Otherwise returns one group for each
-/// reference.
+/// Returns one group of all variants if there are at most [`TOLD_APART`] variants, or if all have the same reference.
+/// Otherwise returns one group for each reference.
 pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     let name = |outcome: &Outcome| outcome.experiment.name.clone();
     let references = references(outcomes);

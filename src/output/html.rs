@@ -136,7 +136,8 @@ fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
                     a href={ "#" (file_name(fold.title)) } { (fold.title) }
                 }
             }
-            // the page of a study of limits has no links here, because its sections name their tables
+            // a page with more than eight tables has no links here, such as that of a study of limits, whose sections
+            // name their tables
             @if (1..=8).contains(&tables.len()) {
                 p {
                     "Numbers: "

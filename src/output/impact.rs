@@ -101,7 +101,7 @@ impl ObliqueStudy {
 
     /// Largest difference [-] between the curve with the index `curve` and the first curve, divided by
     /// [`impulse`](Self::impulse), and the reduced slip before the impact at this difference. `None` if the two curves
-    /// have no point in common.
+    /// have no points with equal slip before the impact.
     pub fn difference(&self, curve: usize) -> Option<(f64, f64)> {
         let (first, other) = (self.curves.first()?, self.curves.get(curve)?);
         let off = |(at, after): &(f64, f64)| {
@@ -127,7 +127,7 @@ pub struct ImpactStudy<'a> {
     pub diameter: f64,
     /// [m/s] normal speed of approach of the two bodies.
     pub impact_speed: f64,
-    /// Answers in sentences, the shortest first. The page begins with these sentences.
+    /// Answers in sentences: one per variant, then those on oblique impacts. The page begins with these sentences.
     pub verdicts: &'a [String],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],

@@ -150,7 +150,8 @@ pub struct Study<'a> {
     pub outcomes: &'a [Outcome],
     /// All parameters of each variant in SI, in the order of the variants.
     pub parameters: &'a [serde_json::Value],
-    /// Answers in sentences, the shortest first. The page begins with these sentences.
+    /// Answers in sentences: first those of the comparisons, then further findings. The page begins with the first of
+    /// these sentences.
     pub verdicts: &'a [String],
     /// Comparisons of variants with their references; empty for a single run.
     pub comparisons: &'a [Verdict],

@@ -5,8 +5,9 @@ use crate::statistics::Estimate;
 /// Sign in place of an unknown number.
 pub const UNKNOWN: &str = "–";
 
-/// Text of `value` with the given number of significant digits. A number below 0.001, or of 100 000 or more, gets a
-/// power of ten. `None` and values that are not finite give the sign for an unknown number.
+/// Text of `value` with the given number of significant digits. A number gets a power of ten if its magnitude, after
+/// rounding, is below 0.001 (except 0), or is 100 000 or more. `None` and values that are not finite give the sign for
+/// an unknown number.
 pub fn significant(value: impl Into<Option<f64>>, digits: usize) -> String {
     let Some(value) = finite(value) else { return UNKNOWN.into() };
     if value == 0.0 {
@@ -30,7 +31,7 @@ fn finite(value: impl Into<Option<f64>>) -> Option<f64> {
 
 /// Text of a value ± one standard error. The error has one or two digits, and the value has as many decimal places as
 /// the error. If the error is unknown, the value has four digits, and `?` replaces the error. An error of 0 is left
-/// out.
+/// out. An unknown value gives the sign for an unknown number.
 pub fn with_error(found: impl Into<Option<Estimate>>) -> String {
     let Some(Estimate { value, error }) = found.into().filter(|found| found.value.is_finite()) else {
         return UNKNOWN.into();
@@ -49,7 +50,8 @@ pub fn with_error(found: impl Into<Option<Estimate>>) -> String {
     if power == 0 { pair } else { format!("({pair}) × 10{}", superscript(power)) }
 }
 
-/// Text of `value` with its unit and an SI prefix, for example 4.06e-4 m as `406 µm`. The unit must have no power.
+/// Text of `value` with its unit and an SI prefix, for example 4.06e-4 m as `406 µm`. The unit must have no power,
+/// unlike m².
 pub fn quantity(value: impl Into<Option<f64>>, unit: &str, digits: usize) -> String {
     let Some(value) = finite(value) else { return UNKNOWN.into() };
     let prefix = Prefix::of(value);
@@ -91,8 +93,8 @@ pub struct Prefix {
 }
 
 impl Prefix {
-    /// Prefix for which the number before the unit has one to three digits before the decimal point, from pico to tera.
-    /// No prefix for 0 and for values that are not finite.
+    /// Prefix from pico to tera for which the number before the unit has one to three digits before the decimal point.
+    /// Values beyond this range get pico or tera; 0 and values that are not finite get no prefix.
     pub fn of(value: f64) -> Self {
         const SYMBOLS: [&str; 9] = ["p", "n", "µ", "m", "", "k", "M", "G", "T"];
         if value == 0.0 || !value.is_finite() {

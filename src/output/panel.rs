@@ -35,9 +35,10 @@ pub enum SeriesStyle {
     Sweep(usize),
     /// Stars on the upper frame, which mark failed runs of the method, or of the curve of a sweep, with this index.
     Failed(usize),
-    /// Large dark diamonds, which mark the best method.
+    /// Large dark diamonds, which mark the cheapest method with an accepted error.
     Winner,
-    /// Broad pale line with a disc around each point, which marks the Pareto front.
+    /// Broad pale line with a disc around each point, which marks the Pareto front: points that no other point beats in
+    /// both cost and error.
     Front,
     /// Thin grey dashed line for a reference with which the variants are compared.
     Reference,
@@ -82,8 +83,8 @@ impl PanelSeries {
 }
 
 /// Panel of a picture: one pair of axes with its series. Points that are not finite are not drawn. Values that are not
-/// positive are not drawn on a logarithmic axis. Points below the range of a logarithmic axis are drawn at its lower
-/// end.
+/// positive are not drawn on a logarithmic axis. Points below the range of a logarithmic vertical axis are drawn at its
+/// lower end.
 #[derive(Clone, Debug, Default)]
 pub struct Panel {
     /// Title above the axes; empty if there is none.
@@ -96,10 +97,11 @@ pub struct Panel {
     pub series: Vec<PanelSeries>,
     /// Horizontal lines, each with its position on the vertical axis and a label, which may be empty.
     pub marks: Vec<(f64, &'static str)>,
-    /// Lower and upper end of the horizontal axis. `None` means the smallest and the largest value of the points.
+    /// Lower and upper end of the horizontal axis. `None` means the smallest and the largest value of the points, or
+    /// the whole powers of ten around them on a logarithmic axis.
     pub x_range: Option<(f64, f64)>,
-    /// Lower and upper end of the vertical axis. `None` means a little beyond the smallest and the largest value of the
-    /// points.
+    /// Lower and upper end of the vertical axis. `None` means ends that include all points, error bars and horizontal
+    /// lines.
     pub y_range: Option<(f64, f64)>,
     /// True if the horizontal axis is logarithmic.
     pub log_x: bool,

@@ -1,4 +1,5 @@
-//! Results of a sensitivity study as plain data: the shift of each observable by each factor.
+//! Results of a sensitivity study as plain data: the shift of each observable by each factor. A factor is an input of
+//! the case that the study changes.
 
 use super::{Basis, Provenance};
 use crate::statistics::Answer;
@@ -121,7 +122,8 @@ pub struct SensitivityRun {
 pub struct SensitivityStudy<'a> {
     /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// [-] margin of equivalence: largest accepted difference, divided by the scale of the observable.
+    /// [-] margin of equivalence: largest accepted difference, divided by the scale (reference magnitude) of the
+    /// observable.
     pub margin: f64,
     /// Factors in order of importance; the most important is first.
     pub factors: &'a [Factor],
@@ -131,7 +133,7 @@ pub struct SensitivityStudy<'a> {
     pub waiting: &'a [String],
     /// Finished runs of the study. The first one is that of the unchanged case.
     pub runs: &'a [SensitivityRun],
-    /// Answers in sentences, the shortest first.
+    /// Answers in sentences, beginning with the cheapest adequate set of models.
     pub sentences: &'a [String],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],

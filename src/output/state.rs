@@ -16,7 +16,7 @@ pub struct StateFile<'a> {
 }
 
 impl<'a> StateFile<'a> {
-    /// Creates the observer for a folder, and for a run of the case with the given text.
+    /// Creates the observer, which writes into `folder`. `case` is the text of the case file of the run.
     pub fn new(folder: &'a Folder, case: &str) -> Self {
         Self { folder, case: saved::fingerprint(case), written: Ok(()) }
     }

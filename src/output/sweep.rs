@@ -23,8 +23,8 @@ pub struct SweepObservable {
 }
 
 /// [m/s] mean streamwise velocity over all slices of the box across y, weighted by the number of particles in each
-/// slice. The correlation between slices is unknown, so the error is the largest possible one. `None` if no slice has a
-/// value.
+/// slice. The correlation between slices is unknown, so the standard error is that of full correlation, the largest
+/// possible one. `None` if no slice has a value.
 fn velocity(outcome: &Outcome) -> Option<Estimate> {
     let (mut sum, mut error, mut weights) = (0.0, Some(0.0), 0.0);
     for row in &outcome.profiles.slices {
@@ -136,8 +136,8 @@ pub struct SweepRow {
 
 impl SweepRow {
     /// Value of the quantity with the name `key` in this row. If there are several replicas (runs with different
-    /// seeds), the value is their mean, with a standard error computed from their scatter. `None` if the value is
-    /// unknown, or if a run stopped early.
+    /// seeds), the value is their mean, with a standard error computed from their scatter. `None` if no run is
+    /// finished, or if the value is unknown in one of the runs, as in a run that stopped early.
     pub fn measured(&self, key: &str) -> Option<Estimate> {
         let found: Option<Vec<Estimate>> = self.runs.iter().map(|run| run.measured.get(key).copied()).collect();
         let found = found?;

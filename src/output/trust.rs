@@ -50,7 +50,8 @@ pub struct TrustCheck {
 }
 
 impl TrustCheck {
-    /// [-] value minus expected value, in standard errors of the value; `None` without an error or an expected value.
+    /// [-] value minus expected value, in standard errors of the value; 0 if the two differ only by rounding. Otherwise
+    /// `None` without an error; always `None` without an expected value.
     pub fn in_errors(&self) -> Option<f64> {
         let (Expected::Equals(value), found) = (self.expected, self.found?) else { return None };
         let off = found.less(Estimate::exact(value));
@@ -94,7 +95,7 @@ impl Halved {
     }
 
     /// [-] change of the quantity when time step and window (time between two exchanges with the gas) are halved, in
-    /// units of its standard error. `None` without an error.
+    /// units of its standard error; 0 if it is only rounding. Otherwise `None` without an error.
     pub fn in_errors(&self) -> Option<f64> {
         let change = self.change();
         // a quantity without unit is a fraction and has the scale 1; a change up to 1e-12 of the scale counts as

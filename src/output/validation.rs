@@ -138,7 +138,7 @@ impl ValidationRow {
     }
 
     /// Answer of the row (comparison) in one word: "agrees" if all numbers are within tolerances, "stopped" if a run
-    /// stopped.
+    /// stopped, otherwise the word for [`answer`](Self::answer).
     pub fn word(&self) -> &'static str {
         let exact = self.numbers.iter().all(|number| number.rule == ValidationRule::Tolerance);
         match self.answer() {

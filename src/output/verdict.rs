@@ -34,7 +34,8 @@ pub struct Verdict {
     pub sentence: String,
     /// Reason why this kind of data was compared, in words.
     pub reason: String,
-    /// [-] margin of equivalence: largest accepted difference, divided by the scale of the observable.
+    /// [-] margin of equivalence: largest accepted difference, divided by the scale (reference magnitude) of the
+    /// observable.
     pub margin: f64,
     /// Tests of the compared observables; `None` for a comparison of paths.
     pub comparison: Option<Comparison>,

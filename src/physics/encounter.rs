@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 pub enum Partner {
     /// Another particle, given by its id.
     Particle(u32),
-    /// A wall, given by its index among the walls of the case.
+    /// A wall, given by its index among the walls of the case (input file).
     Wall(u32),
 }
 
@@ -79,7 +79,8 @@ pub struct Couple {
 ///
 /// Engines move particles in a frame of reference that falls freely with gravity, in which gravity does not affect
 /// pairs. A wall does not fall in this way, so the motion of a particle relative to a wall includes gravity. Two times
-/// state how long the frame has fallen: `sunk` for positions and `fallen` for velocities. All times are in s.
+/// state how long the frame has fallen: `sunk` for positions and `fallen` for velocities. In the formulas, g is the
+/// acceleration by gravity and t the time of fall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
     /// [s] time from the time of the particle store to the computed time; particles fly straight meanwhile.
@@ -243,7 +244,7 @@ impl Couple {
         scene.surface(species, other)
     }
 
-    /// Species of particle `i`, and kind of the second body (a species or a wall).
+    /// Index of the species of particle `i`, and kind of the second body (a species or a wall, with its index).
     #[inline]
     pub fn kinds(&self, particles: &Particles) -> (u16, Kind) {
         let other = match self.other {
@@ -379,8 +380,8 @@ impl Couple {
         }
     }
 
-    /// Relative position and velocity of the two bodies at the instant of a predicted touch. For a wall, `feature` is
-    /// the number of the surface feature (such as a triangle) that is touched; for a pair it is not used.
+    /// Relative position and velocity of the two bodies at the instant `moment` of a predicted touch. For a wall,
+    /// `feature` is the number of the surface feature (such as a triangle) that is touched; for a pair it is not used.
     #[inline(always)]
     pub fn strike(&self, particles: &Particles, scene: &Scene, moment: FrameTime, feature: u32) -> Encounter {
         let Other::Wall(at) = self.other else { return self.meet(particles, scene, moment) };
@@ -471,7 +472,7 @@ pub fn may_meet(particles: &Particles, scene: &Scene, [i, j]: [usize; 2]) -> boo
 }
 
 /// Vector [m] from the second of two particles to the nearest periodic image of the first, and velocity [m/s] of this
-/// image relative to the second particle.
+/// image relative to the second particle, at the time `moment`.
 #[inline(always)]
 pub fn relative(
     particles: &Particles,

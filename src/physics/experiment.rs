@@ -248,7 +248,7 @@ impl Population {
 pub enum Amount {
     /// This number of particles, at random positions without overlap.
     Count(usize),
-    /// These particles, as read from a file.
+    /// These particles, with positions given by a case, a file or a calling program.
     Placed(Particles),
 }
 
@@ -295,7 +295,7 @@ pub enum TimeStep {
 pub enum SoftStepping {
     /// Every particle at every time step.
     Uniform,
-    /// Particles in contact only; all others fly straight.
+    /// Particles in contact only; all other particles fly straight.
     Local,
     /// Uniform or local stepping, whichever takes less computing time.
     Auto,
@@ -308,8 +308,8 @@ pub enum SoftStepping {
 pub enum Integrator {
     /// Velocity Verlet, kick-drift-kick; the dashpot force depends on the velocity at half a step.
     VelocityVerlet,
-    /// Heun's second-order Runge-Kutta method. The paper uses a scheme of this order for its fluid step, and names none
-    /// for contacts.
+    /// Heun's second-order Runge-Kutta method. The paper of `docs/paper.md` uses a scheme of this order for the gas,
+    /// and names none for contacts.
     Rk2,
 }
 

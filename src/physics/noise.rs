@@ -101,7 +101,8 @@ mod tests {
         assert_ne!(mixed(&[1, 2]), mixed(&[2, 1]));
     }
 
-    /// Checks means and squares of 1e5 numbers, whose standard errors are 3.2e-3 and 4.5e-3. Five standard errors are
+    /// Checks mean and mean square of 1e5 numbers, whose standard errors are 3.2e-3 and 4.5e-3. Also checks that the
+    /// numbers are not correlated with those of another seed, purpose, step or particle. Five standard errors are
     /// allowed.
     #[test]
     fn seeds_uses_steps_and_particles_are_independent() {

@@ -10,7 +10,7 @@ use crate::record::{Impacts, Record};
 use crate::statistics::{Batches, Estimate, ProfileTable, Steadiness};
 use serde::Serialize;
 
-/// Result of one variant. The run may be complete or ended early by a failure.
+/// Result of one variant. The run may be complete, or a failure may have ended it early.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
     /// The experiment that was run.
@@ -173,16 +173,17 @@ pub struct Replicas {
 pub struct Timing {
     /// [s] total wall-clock time between the initial state and the last sample.
     pub wall_seconds: f64,
-    /// [s] time spent in the engine.
+    /// [s] wall-clock time spent in the engine.
     pub engine: f64,
     /// [s] part of the engine's time that was spent on neighbour search.
     pub neighbours: f64,
     /// [s] part of the engine's time that was spent on straight flight of all particles; 0 if it is not timed
     /// separately.
     pub flight: f64,
-    /// [s] time spent on changes of velocity between the windows, such as those by drag, lift, heat and buoyancy.
+    /// [s] wall-clock time spent on changes of velocity between the windows, such as those by drag, lift, heat and
+    /// buoyancy.
     pub drag: f64,
-    /// [s] time spent on measurements at samples.
+    /// [s] wall-clock time spent on measurements at samples.
     pub statistics: f64,
     /// Number of threads that the run used.
     pub threads: usize,

@@ -256,7 +256,7 @@ pub struct Scene {
     pub pairs: Pairs,
     /// Species of the particles; `Particles::species` contains indices into this list.
     pub species: Vec<Species>,
-    /// Laws of friction of rotating spheres; `None` if spheres do not rotate. Friction then has no tangential spring.
+    /// Laws of friction of rotating spheres; `None` if spheres do not rotate and friction has no tangential spring.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<Rotation>,
     /// Heating of the particles from outside; `None` if the particles are not heated.
@@ -337,9 +337,9 @@ impl Scene {
         surfaces.for_each(|surface| surface.represent(speed));
     }
 
-    /// All kinds of impacts in the scene, each listed once. Two kinds differ in restitution, mass ratio or shear ratio.
-    /// If sizes differ, the spheres are taken to have the mean volume. `shear_ratio` returns the ratio [-] of Mindlin's
-    /// stiffness to Hertz's elastic constant for two elasticities.
+    /// All kinds of impacts in the scene, each listed once. Two kinds differ in restitution, mass ratio (tangential
+    /// over normal effective mass) or shear ratio. If sizes differ, the spheres are taken to have the mean volume.
+    /// `shear_ratio` returns the ratio [-] of Mindlin's stiffness to Hertz's elastic constant for two elasticities.
     pub fn impact_kinds(&self, shear_ratio: impl Fn([Option<Elasticity>; 2]) -> f64) -> Vec<ImpactKind> {
         let species = |species: u16| &self.species[usize::from(species)];
         let body = |of: u16| {
@@ -490,8 +490,8 @@ impl Scene {
     }
 }
 
-/// Common constant restitution [-] of all surfaces. `None` if one surface differs or depends on speed, or without
-/// surfaces.
+/// Common constant restitution [-] of all surfaces. `None` if the restitutions differ, if one of them depends on speed,
+/// or without surfaces.
 fn constant(surfaces: impl IntoIterator<Item = Surface>) -> Option<f64> {
     let own = |surface: Surface| surface.by_speed.is_none().then_some(surface.restitution);
     let mut all = surfaces.into_iter().map(own);

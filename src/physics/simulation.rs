@@ -87,13 +87,13 @@ pub struct Simulation {
     clock: Clock,
     scene: Scene,
     engine: SimulationEngine,
-    /// Seed of the random numbers of turbulence and heat, which change velocities between two windows.
+    /// Seed of the random numbers of turbulence, heat and inlets, which act between two windows.
     seed: u64,
     spheres: Vec<Sphere>,
     /// Gas flow that the particles change (two-way coupling); `None` if particles do not change the gas.
     loaded_flow: Option<Box<LoadedFlow>>,
-    /// Drag kicks for the two durations used most recently: half a window and a whole window. They are stored because
-    /// the table of a tabulated kick takes long to compute.
+    /// Drag kicks for the two durations used most recently, such as half a window and a whole window. They are stored
+    /// because the table of a tabulated kick takes long to compute.
     kicks: Vec<Kick>,
     /// Number, mass, momentum and mean radius of the particles of all processes.
     totals: SimulationTotals,
@@ -110,8 +110,8 @@ pub struct Simulation {
     /// Failure that [`run`](Self::run) returns before the next window: a contact law that violates a requirement, a
     /// soft time step that is too long, or a gas flow that is not finite. `None` if the simulation may run.
     refused: Option<Failure>,
-    /// Upper limit of the growth of the energy by errors of the time integrator in soft contacts. A run whose energy
-    /// grows by more fails. `None` for other models.
+    /// Upper limit of the growth of the energy by errors of the time integrator in soft contacts. The run fails if its
+    /// energy grows by more. `None` for other models.
     bound: Option<Bound>,
     /// [J] elastic energy of the overlaps at the start. `None` after the first window, when the soft engine has found
     /// its contacts, and for models without soft contacts.
@@ -230,8 +230,8 @@ impl Simulation {
         }
     }
 
-    /// Sets the seed of the random numbers in kicks of turbulence and heat, and in rebounds from rough and thermal
-    /// walls. Without this call the seed is 0 in kicks, and that of the scene in rebounds ([`Scene::seed_walls`]).
+    /// Sets the seed of the random numbers in kicks of turbulence and heat, at inlets, and in rebounds from rough and
+    /// thermal walls. Without this call the seed is 0, but in rebounds that of the scene ([`Scene::seed_walls`]).
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self.scene.seed_walls(seed);
@@ -251,8 +251,8 @@ impl Simulation {
     }
 
     /// Runs `windows` windows of `window` [s] each. At the end, velocities and positions belong to the same time.
-    /// Several threads are faster within [`keep_workers_spinning`](crate::work_sharing::keep_workers_spinning), since idle
-    /// threads then do not sleep.
+    /// Several threads are faster within [`keep_workers_spinning`](crate::work_sharing::keep_workers_spinning), since
+    /// idle threads then do not sleep.
     ///
     /// # Errors
     /// A failure of the engine, a particle that left the domain, an unstable soft time step, or energy that grew more

@@ -1,6 +1,6 @@
 //! Checkpoints of a command. The states of its runs are stored at intervals, when a run has ended, and when the user
 //! stops the command. In this file the end of a run means its final state and the data of its observers. Observers are
-//! the measurements during a run.
+//! the measurements during a run. A variant is one of the experiments of a case.
 
 use super::error::StudyError;
 use super::resumable::ResumableRun;
@@ -24,8 +24,8 @@ pub struct Checkpointer {
     every: Option<Duration>,
     /// Instant of the latest checkpoint or, before the first one, of the start of the command.
     last: Instant,
-    /// Run that was in progress when the earlier command stopped, with its stored state. `None` if there is no such
-    /// state, or if it has been used.
+    /// Run that was in progress when the command was stopped earlier, with its stored state. `None` if there is no such
+    /// state, or if the run has already continued from it.
     under_way: Option<(RunIdentity, StoredRun)>,
     /// [s] simulated time of the latest stored state of the run in progress; `None` if no state is stored.
     stored: Option<f64>,
@@ -49,7 +49,7 @@ enum Ends {
     /// A file: it is written if other work remains, or if an earlier state of the run was stored.
     #[default]
     Stored,
-    /// Memory, as bytes, because another process needs the end of the run. It is empty until the run has ended.
+    /// Memory, as bytes, because another process needs the end of the run. The bytes are empty until the run has ended.
     Caught(Vec<u8>),
     /// The end of the run came from another process, as these bytes.
     Received(Vec<u8>),
@@ -58,12 +58,13 @@ enum Ends {
 }
 
 impl Checkpointer {
-    /// Creates the checkpointer of a command that writes into `folder`. If the command begins, its arguments are
-    /// stored. If it is resumed, or typed again for a folder with results, the stored state is read.
+    /// Creates the checkpointer of a command that writes into `folder`. If the command begins, its arguments are stored
+    /// in place of the checkpoint of an earlier command. If it is resumed, or typed again for a folder with results,
+    /// the stored state is read.
     ///
     /// # Errors
-    /// Returns an error if the case of a resumed command has changed, or if the system refuses access to the folder or
-    /// refuses to install the signal handlers.
+    /// Returns an error if the case of a resumed command, or a file that the case uses, has changed. Other errors are
+    /// that the system refuses access to the folder, or refuses to install the signal handlers.
     pub fn new(
         settings: &CommandSettings,
         folder: &Folder,
@@ -144,8 +145,8 @@ impl Checkpointer {
         &self.signals
     }
 
-    /// Creates a checkpointer with separate files for one of several concurrent runs. If the command is resumed, the
-    /// stored state of this run is read. No progress messages are printed.
+    /// Creates a checkpointer with separate files for one of several concurrent runs. If the command is resumed or
+    /// typed again, the stored state of this run is read. No progress messages are printed.
     pub fn for_run(&self, run: &RunIdentity) -> Self {
         let store = self.store.as_ref().map(|store| store.for_run(run));
         let mut one = Self {
@@ -200,7 +201,8 @@ impl Checkpointer {
     }
 
     /// Stored state from which a run continues: its end, or a state before its end. `None` if the run must begin at its
-    /// start. Prints from which time a run continues, and a warning if a file cannot be used.
+    /// start. Prints that the run is over already, or from which simulated time it continues; also a warning for a file
+    /// that cannot be used.
     pub fn earlier(&mut self, run: &RunIdentity) -> Option<StoredRun> {
         self.stored = None;
         if let Ends::Received(bytes) = &self.ends {
@@ -233,8 +235,8 @@ impl Checkpointer {
         }
     }
 
-    /// Records if other runs or a report must be done after the next run (`more` is true), or if the command then ends
-    /// (false).
+    /// Records whether other runs or a report must be done after the next run (`more` is true), or if the command then
+    /// ends (false).
     pub fn set_more(&mut self, more: bool) {
         self.more = more;
     }
@@ -346,8 +348,8 @@ impl Checkpointer {
         }
     }
 
-    /// Stored result of a run that has ended, as bytes. `None` if there is no such result, or if the command was not
-    /// resumed.
+    /// Stored result of a run that has ended, as bytes. `None` if there is no such result, or if the command is neither
+    /// resumed nor typed again.
     pub fn result(&self, run: &RunIdentity) -> Option<Vec<u8>> {
         self.store.as_ref().filter(|_| self.resumed)?.result(run)
     }

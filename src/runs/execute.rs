@@ -43,7 +43,8 @@ pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn
 }
 
 /// Runs a variant like [`execute`], with a checkpointer that stores the state of the run at intervals and may stop the
-/// run. If a state is stored, the run continues from this state. A run that has ended is not repeated.
+/// run. If a state is stored, the run continues from this state. A run that has ended is not repeated. Returns the
+/// outcome and the final state of the particles; this state is empty if `shared` does not request it.
 ///
 /// With `shared`, all processes share the run. This process, the lead, first sends the index of the run to the others.
 ///

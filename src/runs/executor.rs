@@ -127,7 +127,8 @@ impl<'a> Executor<'a> {
     /// particles in the order of ids. With several processes, the final state is returned only if `gives_end` is true.
     ///
     /// # Errors
-    /// Returns an error if the stored state belongs to another run.
+    /// Returns an error if the run cannot begin, if its state cannot be stored, or if the stored state belongs to
+    /// another run.
     pub fn alone(
         &mut self,
         index: usize,
@@ -141,8 +142,8 @@ impl<'a> Executor<'a> {
         let shared = is_shared.then_some(SharedRun { index, ranks, quiet: *quiet, gives_end });
         std::thread::scope(|scope| {
             let mut trajectory = run.trajectory(scope, folder);
-            // in the other processes of a shared run the trajectory is the first additional observer, so it must be the
-            // first one here as well
+            // in the other processes of a shared run the trajectory is the first additional observer, so the trajectory
+            // must be the first one in this process as well
             let first = trajectory.as_mut().map(|trajectory| trajectory as &mut dyn Observer);
             let mut observers: Vec<&mut dyn Observer> = first.into_iter().collect();
             observers.push(&mut watch);
@@ -162,8 +163,8 @@ impl<'a> Executor<'a> {
         })
     }
 
-    /// Stored result of the run at `index`; `None` if the command was not resumed, or if no result of this run was
-    /// stored before.
+    /// Stored result of the run at `index`; `None` if the command is neither resumed nor typed again, or if no result
+    /// of this run was stored before.
     pub fn stored<R: RunResult>(&self, index: usize) -> Option<R> {
         R::from_bytes(&self.checkpointer.result(&self.runs[index].identity)?)
     }

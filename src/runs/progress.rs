@@ -184,7 +184,8 @@ impl Progress {
         }
     }
 
-    /// Records that another process has ended the run with the index `run`.
+    /// Records that another process has ended the run with the index `run`. The run counts as simulated to its full
+    /// duration.
     pub fn ended_elsewhere(&self, run: usize) {
         let mut board = lock(&self.board);
         let duration = board.runs[run].duration;
@@ -215,8 +216,8 @@ impl Drop for Progress {
     }
 }
 
-/// Locks the board, even if a thread has panicked while it held the lock; every entry of the board is then complete as
-/// well.
+/// Locks the board, even if a thread has panicked while it held the lock; the entries of the board are complete even
+/// then.
 fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
     board.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -324,8 +325,9 @@ impl Board {
     }
 
     /// [s] remaining wall time of all runs: the sum over the runs, divided by the number of runs in progress. A run
-    /// that has not begun counts as fast as the runs with its model or, without such runs, as the mean of all runs.
-    /// `None` if the speed of a run in progress is not known, or if no speed is known at all while a run waits.
+    /// that has not begun counts as fast as the mean of the runs with its model whose speeds are known or, without such
+    /// runs, as the mean of all known speeds. `None` if the speed of a run in progress is not known, or if no speed is
+    /// known at all while a run waits.
     fn left(&self, rates: &[(f64, Option<f64>)]) -> Option<f64> {
         let mean = |model: Option<Model>| {
             let known = self.runs.iter().zip(rates).filter(|(run, _)| model.is_none_or(|model| run.model == model));
@@ -470,7 +472,8 @@ mod tests {
         assert!((done - 0.375).abs() < 1e-6 && text.starts_with("all 4 runs: 1 done, about 2 minutes left"), "{text}");
     }
 
-    /// Checks a run that simulated the first nine tenths quickly and is now slow, so that much time remains.
+    /// Checks that the present speed of a run is the recent one: the run simulated its first nine tenths quickly and is
+    /// now slow.
     #[test]
     fn the_speed_is_that_of_late() {
         let mut run = running(Model::Soft, 1.0, 0.95, 60.0);

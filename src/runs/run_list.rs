@@ -1,4 +1,5 @@
-//! Concurrent runs, each on its own threads, in this process or in other processes.
+//! Concurrent runs, each on its own threads, in this process or in other processes. The lead process distributes the
+//! runs; the other processes, which do runs for it, are the helpers.
 
 use super::error::StudyError;
 use super::ranks::{Message, Ranks};
@@ -189,7 +190,7 @@ enum Heard<A> {
     Here(usize, A),
     /// This message of another process has arrived.
     There(Message),
-    /// Nothing has happened during the longest wait.
+    /// Nothing has happened during the longest waiting time.
     Nothing,
 }
 

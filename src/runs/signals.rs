@@ -7,7 +7,7 @@ use signal_hook::flag;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Exit code of a program that Ctrl-C has ended: 128 plus the number of the signal, as shells report it.
+/// Exit code after the second signal: 128 plus the number of the signal of Ctrl-C, as shells report it.
 const ENDED: i32 = 130;
 
 /// Flag that is set when the user has asked the command to stop. Clones share the flag.
@@ -43,7 +43,7 @@ impl Signals {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Sets the flag as a signal to stop does.
+    /// Sets the flag, just as if a signal to stop had arrived.
     pub fn raise(&self) {
         self.0.store(true, Ordering::Relaxed);
     }

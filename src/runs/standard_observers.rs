@@ -79,8 +79,8 @@ impl<'a> StandardObservers<'a> {
     pub fn outcome(self, simulation: &Simulation, failure: Option<Failure>, final_state_hash: u64) -> Outcome {
         let steadiness =
             self.motion.steadiness(self.experiment.run.average_from, self.kinds.series(&self.experiment.scene));
-        // interval k ends at sample k + 1; the first interval used is the first one that lies entirely within the
-        // averaging period
+        // interval k between two samples ends at sample k + 1; averages begin with the first interval that lies
+        // entirely within the averaging period
         let first = self.motion.first(steadiness.from);
         Outcome {
             experiment: self.experiment.clone(),

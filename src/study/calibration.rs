@@ -71,7 +71,7 @@ pub struct Physics {
     pub wall_speeds: Option<Histogram>,
 }
 
-/// True if the particles form a gas at the start: at least 100 particles, all at random positions, and at least some
+/// True if the particles form a gas at the start: at least 100 particles, all at random positions, and some of them
 /// with random velocities.
 pub fn is_gas(experiment: &Experiment) -> bool {
     /// Smallest number of particles that count as a gas. With fewer particles, the collision rate has a relative
@@ -171,7 +171,7 @@ fn is_driven(experiment: &Experiment) -> bool {
     scene.fluid.is_some() || scene.domain.shear.is_some() || scene.is_heated() || moves
 }
 
-/// True if no gas, gravity, shear, heat or moving wall acts on the particles, and all impacts are elastic and
+/// True if no gas, gravity, shear, heating or moving wall acts on the particles, and all impacts are elastic and
 /// frictionless. The kinetic energy then stays constant from the start.
 fn conserves(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
@@ -209,7 +209,8 @@ fn smaller(experiment: &Experiment) -> Experiment {
         population.amount = Amount::Count(n as usize);
         left += n;
         let density = n / small.scene.domain.volume();
-        // kinetic theory: the collision rate per volume is 2 n² d² sqrt(π T)
+        // kinetic theory: the collision rate per volume is 2 n² d² sqrt(π T), with number density n, diameter d and
+        // granular temperature T
         collisions += n * 2.0 * density * diameter * diameter * PI.sqrt() * population.mean_fluctuation();
     }
     let window = Schedule::new(experiment).window;
@@ -324,7 +325,8 @@ pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>
 
 /// Times some windows (times between two exchanges with the gas) of a run that begins with the particles `start`, and
 /// extrapolates to the whole run. The timing ends after the share `most` [-] of the run, or after the wall time
-/// `PATIENCE`. Other programs on the machine slow the timing down as they would slow down the run.
+/// `PATIENCE`, whichever comes first. Other programs on the machine slow the timing down as they would slow down the
+/// run.
 pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let schedule = Schedule::new(experiment);
     let windows = schedule.windows_per_sample as f64 * schedule.samples as f64;
@@ -371,9 +373,9 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     }
 }
 
-/// [s] length of a part of a window (time between two exchanges with the gas) that takes little wall time. A long
-/// window may contain any number of impacts. The first trial has ten times the time in which the fastest particle moves
-/// by the largest diameter. Each further trial is twice as long. The result is at most `window` [s].
+/// [s] length of a part of a window (time between two exchanges with the gas) that takes little wall time to compute. A
+/// long window may contain any number of impacts. The first trial simulates ten times the time in which the fastest
+/// particle moves by the largest diameter. Each further trial is twice as long. The result is at most `window` [s].
 fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 {
     let diameter = 2.0 * start.radius.iter().copied().fold(0.0, f64::max);
     let speed = start.largest_speed(Vector3::zeros()) + (experiment.scene.gravity.norm() * diameter).sqrt();
@@ -392,8 +394,8 @@ fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 
     window
 }
 
-/// [byte] memory for the figures and the page of one variant. They are made after the run, so the timing does not
-/// include them. The value was measured on the built-in cases.
+/// [byte] memory for the figures and the page of one variant (experiment of a case). They are made after the run, so
+/// the timing does not include them. The value was measured on the built-in cases.
 const REPORT: f64 = 0.5e6;
 
 /// [byte] memory of the data of one particle: position, velocity, radius, mass, species, id.

@@ -104,8 +104,8 @@ struct CheckedVariant {
     pair_contact: Option<f64>,
     /// [s] duration of the shortest contact of a particle with a wall; `None` if there is no such contact.
     wall_contact: Option<f64>,
-    /// Kinds of contact, such as that of two species, with their names and durations [s]. At most 20 are listed, the
-    /// shortest ones. Empty if there is at most one kind between particles and at most one at walls.
+    /// Kinds of contact, such as contacts between two species, with their names and durations [s]. At most 20 are
+    /// listed, the shortest ones. Empty if there is at most one kind between particles and at most one at walls.
     contacts: Vec<(String, f64)>,
     /// [s] length of a window, the time between two exchanges of momentum with the gas. If windows grow during the run,
     /// this is the shortest one.
@@ -258,8 +258,8 @@ impl CheckedVariant {
     }
 }
 
-/// Kinds of contact, such as that of two species, with the durations [s] of their contacts at the fastest impacts.
-/// Empty if there is at most one kind between particles and at most one at walls.
+/// Kinds of contact, such as contacts between two species, with the durations [s] of their contacts at the fastest
+/// impacts. Empty if there is at most one kind between particles and at most one at walls.
 fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     let kinds = at_fastest_impacts(experiment);
     let several = |wall: bool| kinds.iter().filter(|kind| kind.wall == wall).count() > 1;

@@ -1,5 +1,6 @@
-//! `diptych compare`: runs the variants of a case, one after the other, each alone on the machine. Replicas of a
-//! variant are runs with different seeds. A variant is one of the experiments of a case.
+//! `diptych compare`: runs the variants of a case one after the other. A variant is one of the experiments of a case,
+//! and its replicas are runs with different seeds. The first run of each variant is alone on the machine; further
+//! replicas run concurrently.
 
 use super::judge::{Criteria, judge_at};
 use super::replicas::pool;

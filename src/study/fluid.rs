@@ -25,7 +25,7 @@ pub struct FluidSummary {
     /// [-] Reynolds number of the mean velocity and the distance between the walls of the gas. In a pipe, the diameter
     /// replaces this distance.
     pub reynolds_number: f64,
-    /// [m/s] friction velocity u_τ of the gas; `None` for a profile without one.
+    /// [m/s] friction velocity u_τ of the gas; `None` for a uniform profile and for one from a table.
     pub friction_velocity: Option<f64>,
     /// Summary of the computed channel flow, for a k-epsilon profile; `None` for other profiles.
     pub channel: Option<ChannelSummary>,
@@ -236,8 +236,8 @@ fn width(profile: &Profile, height: f64) -> f64 {
     high - low
 }
 
-/// [m/s] mean velocity of the gas over the height `height` [m]. A channel flow stores this mean; else [`ROWS`] equally
-/// spaced points are averaged.
+/// [m/s] mean velocity of the gas over the height `height` [m], or over the cross-section of a pipe. The profiles of a
+/// channel flow, a logarithmic law and a pipe store this mean; else [`ROWS`] equally spaced points are averaged.
 fn bulk_velocity(profile: &Profile, height: f64) -> f64 {
     profile.bulk_velocity().unwrap_or_else(|| mean(profile, height))
 }

@@ -292,7 +292,7 @@ fn closed_form(experiment: &Experiment, meeting: &ImpactPair, first: PathPoint) 
     if let Some(law) = experiment.law() {
         let spring = law.between(&meeting.bodies);
         contact_time = law.contact_time(&spring, approach);
-        // e = 0 means critical damping, with which a contact has no end
+        // a restitution e = 0 means critical damping, with which a contact has no end
         if !contact_time.is_finite() {
             return None;
         }

@@ -15,16 +15,17 @@ use nalgebra::Vector3;
 const POINTS: usize = 28;
 
 /// [-] largest reduced slip s/(μ u_n) before an impact (slip s, coefficient of friction μ, normal speed u_n). It is
-/// divided by the slip at which sticking ends under Walton's rule with tangential restitution β_0 = 0.
+/// divided by the reduced slip at which sticking ends under Walton's rule with tangential restitution β_0 = 0.
 const REACH: f64 = 2.0;
 
-/// Number of windows (pieces of the run) per contact time in the simulation of an impact. `LONGEST` is the largest
-/// number of windows; an impact that has not ended then has no point on the curve.
+/// Number of windows (pieces of the run) in the time from the start to the expected end of the contact. `LONGEST` is
+/// the largest number of windows; an impact that has not ended then has no point on the curve.
 const WINDOWS: f64 = 10.0;
 const LONGEST: u64 = 60;
 
-/// [-] Mindlin's ratio k_t/k_n = 4 G*/E* of the tangential and normal stiffness of the two bodies. It is computed with
-/// the contact law of the first variant whose law has elastic constants; `None` without such a law.
+/// [-] Mindlin's ratio k_t/k_n = 4 G*/E* of the tangential and normal stiffness of the two bodies (G*, E*: their
+/// effective shear and Young's modulus). It is computed with the contact law of the first variant whose law has elastic
+/// constants; `None` without such a law.
 fn compliance_ratio(variants: &[(&Experiment, &Particles)], meeting: &ImpactPair) -> Option<f64> {
     let ratio = |(experiment, _): &(&Experiment, &Particles)| {
         // `shear_ratio` is 8 G*/(4/3 E*), from k_t = 8 G* a and the factor 4/3 E* of Hertz's force. The normal
@@ -38,9 +39,10 @@ fn compliance_ratio(variants: &[(&Experiment, &Particles)], meeting: &ImpactPair
 /// points are valid for this ratio.
 const SOLID: f64 = 2.0 / 7.0;
 
-/// Measured angle of impact [°], and tangential velocity of the centre after the impact divided by that before it.
-/// Spheres of aluminium oxide of 5 mm hit thick soda-lime glass at 3.9 m/s (Kharaz, Gorham and Salman 2001, Powder
-/// Technol. 120, 281; digits of the test DEM05 of MFIX, truongd8593/mfix@15c6363a).
+/// Measured angle [°] between the velocity before the impact and the normal, and tangential velocity of the centre
+/// after the impact divided by that before it. Spheres of aluminium oxide of 5 mm hit thick soda-lime glass at 3.9 m/s
+/// (Kharaz, Gorham and Salman 2001, Powder Technol. 120, 281; numbers as in the test DEM05 of MFIX,
+/// truongd8593/mfix@15c6363a).
 const MEASURED: [(f64, f64); 8] = [
     (2.0275, 0.7938),
     (3.9282, 0.7450),

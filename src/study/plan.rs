@@ -55,8 +55,8 @@ pub fn plan(args: &Arguments) -> Result<(), StudyError> {
 }
 
 /// Experiment of the case with its own model. If this model cannot run the case, the model is soft spheres or else hard
-/// spheres. A plan needs any model that can run, since it recommends the model itself. A `seed` replaces that of the
-/// case.
+/// spheres. Any model that can run is enough for a plan, since the plan itself recommends a model. A `seed` replaces
+/// that of the case.
 pub fn any_model(case: &Case, seed: Option<u64>) -> Result<Checked, Diagnostic> {
     case.experiment(None, seed).or_else(|why| {
         let other = |model| case.experiment(Some(model), seed).ok();
@@ -242,9 +242,10 @@ fn with_contacts(
     }
 }
 
-/// Kinds of contact of the case, such as that of two species, with their impact speeds. If the particles form a gas,
-/// the speeds follow from the temperatures or, with a single species, from a short run. In scenes of few bodies they
-/// are those of the bodies. `measured` contains the measurements of a short run; `None` without such a run.
+/// Kinds of contact of the case, such as contacts between two species, with their impact speeds. If the particles form
+/// a gas, the speeds follow from the temperatures or, with a single species, from a short run. Otherwise the speeds are
+/// the largest ones that the velocities at the start and at inlets allow, and at least that of a fall to rest.
+/// `measured` contains the measurements of a short run; `None` without such a run.
 fn kinds(
     experiment: &Experiment,
     plan: &RunPrediction,

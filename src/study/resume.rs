@@ -38,8 +38,8 @@ pub fn resume(args: &Resume, ranks: &Ranks) -> Result<(), StudyError> {
     // only the commands that are continued below store their state
     if let Command::Run(mut typed) = cli.command {
         adopt(args, &mut typed.output, &mut typed.effort);
-        // the observer that showed the run on a page has stored no data, so an observer that does nothing takes its
-        // place
+        // the observer (function called during the run) that showed the run on a page has stored no data, so an
+        // observer that does nothing takes its place
         let idle: MakeObserver = &mut |_| Ok(Box::new(|_: &Simulation| ()));
         run(&typed, origin, ranks, is_watched(&typed).then_some(idle))
     } else if let Command::Compare(mut typed) = cli.command {

@@ -15,11 +15,12 @@ use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share
 use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 
-/// Function that makes a further observer (measurement during a run) for the run of an experiment.
+/// Function that makes an additional observer (measurement during a run) for the run of an experiment.
 pub type MakeObserver<'a> = &'a mut dyn FnMut(&Experiment) -> Result<Box<dyn Observer>, StudyError>;
 
-/// Begins or resumes the run of a case with one model, and writes the results to one folder. `make` makes a further
-/// observer, which must not store data; only the lead process calls it.
+/// Begins or resumes the run of a case with one model, and writes the results to one folder. `make` makes an additional
+/// observer (measurement during the run), which must not store data. With several processes, only the first process
+/// calls `make`.
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or for a failure of the engine, after all results up to
@@ -83,8 +84,8 @@ fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), Stud
 
 /// Refuses the option `--budgets` (budgets of the second moments of velocity) where budgets would be wrong. A budget
 /// follows each particle from window to window (time between two exchanges with the gas), and all windows must have one
-/// length. From each change of velocity it subtracts drag in the mean gas flow and gravity, and counts the rest as
-/// impacts.
+/// length. From each change of velocity it subtracts the changes by gravity and by the drag of the mean gas flow, and
+/// counts the rest as impacts.
 fn refuse_budgets(args: &Run, experiment: &Experiment) -> Result<(), StudyError> {
     if !args.budgets {
         return Ok(());

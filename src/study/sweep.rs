@@ -152,7 +152,7 @@ fn failures(rows: &[SweepRow], variants: &[String], axes: &[SweepAxis]) -> Resul
 }
 
 /// Adds the result of a run to every row of the table that needs this run. The results of a row are in the order of its
-/// replicas (runs with different seeds), because averages depend on the order of their terms.
+/// replicas (runs with different seeds), because the rounding of an average depends on the order of its terms.
 fn give(rows: &mut [SweepRow], run: &SweepRun) {
     for row in rows {
         let times = row.identities.iter().filter(|identity| **identity == run.identity).count();

@@ -29,8 +29,8 @@ pub fn verdict(outcome: &Outcome) -> String {
     format!("\"{}\": {how}.", outcome.experiment.name)
 }
 
-/// [m²/s²] granular temperature T = <|v - U|²>/3 of all particles. It is computed from the second moments about the
-/// mean velocity U of each slice of the box across y. `None` if nothing was measured.
+/// [m²/s²] granular temperature T = <|v - U|²>/3 of all particles, whose velocities are v. It is computed from the
+/// second moments about the mean velocity U of each slice of the box across y. `None` if nothing was measured.
 pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
     for row in &outcome.profiles.slices {
@@ -42,8 +42,9 @@ pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
     (count > 0.0).then(|| sum / count)
 }
 
-/// [-] relative reduction of the effective diameter of soft spheres, after Barker and Henderson; the largest one among
-/// all pairs of species. A species whose temperature was not measured has that of all particles. `None` for hard and
+/// [-] softness: relative amount by which the effective diameter of soft spheres is smaller than their diameter, the
+/// largest value among all pairs of species. Hard spheres of the effective diameter behave nearly like the soft ones
+/// (Barker and Henderson). A species whose temperature was not measured has that of all particles. `None` for hard and
 /// hybrid spheres that collide in instants, if no temperature or no impact between particles was measured, and for few
 /// bodies, which do not form a gas.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
@@ -137,7 +138,7 @@ fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
 }
 
 /// Adds a note if the cells in which colliding pairs are drawn at random (model `dsmc`) are too thick across a sheared
-/// box: thicker than √T/γ, with the granular temperature T and the shear rate γ, or thicker than the mean free path.
+/// box. Their limits are √T/γ, with the granular temperature T and the shear rate γ, and the mean free path.
 fn cells_in_shear(outcome: &Outcome, note: &mut impl FnMut(String)) {
     let experiment = &outcome.experiment;
     let scene = &experiment.scene;
@@ -157,8 +158,8 @@ fn cells_in_shear(outcome: &Outcome, note: &mut impl FnMut(String)) {
         let why = "differences of the mean flow within a cell count as agitation";
         note(format!("{cells}, and √T/γ is {}: {why} ({help}).", length(flow)));
     } else if edges.y > path {
-        // at the thickness L of a cell the viscosity is too large by the factor 1 + 16 L²/(45 π λ²): Alexander, Garcia
-        // and Alder 1998, Phys. Fluids 10, 1540
+        // at the thickness L of a cell the viscosity is too large by the factor 1 + 16 L²/(45 π λ²), with the mean free
+        // path λ: Alexander, Garcia and Alder 1998, Phys. Fluids 10, 1540
         let excess = 16.0 / (45.0 * PI) * (edges.y / path).powi(2);
         let high = format!("the viscosity is too high by about {}", numbers::percent(excess, 1.0));
         note(format!("{cells}, and the mean free path is {}: {high} ({help}).", length(path)));

@@ -9,7 +9,7 @@ use crate::output::numbers::{percent, with_error};
 use crate::output::{Expected, HalvedStep, Judgement, TrustCheck, TrustSheet};
 use crate::statistics::Estimate;
 
-/// Number of standard errors from which a difference from the expected value is not attributed to chance.
+/// Number of standard errors up to which a difference from the expected value is attributed to chance.
 const SUSPECT: f64 = 3.0;
 /// [-] largest share of the energy that may remain unexplained in the energy balance of a run. The error of the
 /// integrator at 20 steps per contact is much smaller.
@@ -20,9 +20,10 @@ const MEAN_OVERLAP: f64 = 0.01;
 /// [-] limit of the largest overlap, divided by the diameter of the smaller particle. It is the weaker of the two
 /// limits below Eq. 10 of the paper.
 const LARGEST_OVERLAP: f64 = 0.1;
-/// [-] relative reduction of the effective diameter by softness above which the sheet marks this reduction. At this
-/// limit, soft impacts of a dilute gas make the agitation of the three directions equal more slowly than hard ones, by
-/// π/2 times the reduction, 0.8 % (docs/theory/softness.md).
+/// [-] relative reduction of the effective diameter (that of hard spheres with nearly the same behaviour) above which
+/// the sheet marks this reduction. At this limit, soft impacts of a dilute gas make the agitation (random velocities)
+/// of the three directions equal more slowly than hard ones, by π/2 times the reduction, 0.8 %
+/// (docs/theory/softness.md).
 const SOFTNESS: f64 = 0.005;
 
 /// Makes the trust sheet (checks of reliability) of the outcome of one variant. `halved_step` is the comparison with a

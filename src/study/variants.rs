@@ -162,11 +162,12 @@ impl<'a> VariantResults<'a> {
         Rc::clone(&self.executor.folder)
     }
 
-    /// Does the first run of the next variant, with `observers` in addition to the standard ones. Returns the final
-    /// state of the run, which [`check`](Self::check) needs.
+    /// Does the first run of the next variant, with `observers` (measurements during the run) in addition to the
+    /// standard ones. Returns the final state of the run, which [`check`](Self::check) needs.
     ///
     /// # Errors
-    /// Returns an error if the stored state belongs to another run.
+    /// Returns an error if the run cannot begin, if its state cannot be stored, or if the stored state belongs to
+    /// another run.
     pub fn run_first(&mut self, observers: Vec<&mut dyn Observer>) -> Result<Particles, StudyError> {
         let Variants { checked, replicas, verify, .. } = self.variants;
         let variant = self.runs.len();
@@ -203,7 +204,8 @@ impl<'a> VariantResults<'a> {
     /// out.
     ///
     /// # Errors
-    /// Returns an error if the stored state of a replica belongs to another run.
+    /// Returns an error if a replica cannot begin, if its stored state belongs to another run, or if no thread can be
+    /// started.
     pub fn run_replicas(&mut self, variant: usize, range: Range<usize>) -> Result<bool, StudyError> {
         if !range.is_empty() && !self.executor.checkpointer.is_stopped() {
             let name = &self.variants.checked[variant].0.name;

@@ -112,8 +112,8 @@ impl Case {
         Ok(axes)
     }
 
-    /// Makes the experiments of all variants of the case at one point of a sweep. `at` contains, for each axis, the
-    /// index of the value. If `seed` is given, it replaces that of the case.
+    /// Makes the experiments of all variants of the case at one point of a sweep. `at` contains, for each of `axes`
+    /// (keys of the sweep), the index of the value. If `seed` is given, it replaces that of the case.
     ///
     /// # Errors
     /// Errors of [`variants`](Self::variants).

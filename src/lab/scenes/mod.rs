@@ -1,4 +1,5 @@
-//! Scenes of the lab. A scene is a case of `cases/` with changes, adjustable parameters, graphs and texts.
+//! Scenes of the lab. A scene is a case of `cases/` with changes, adjustable parameters, graphs and texts. Its two
+//! panels show simulations side by side.
 //!
 //! A new scene is a file in this folder, which must be named below in `mod` and in [`SCENES`].
 
@@ -39,7 +40,7 @@ pub struct LabScene {
     pub knobs: &'static [ParameterRange],
     /// Set of quantities that are measured and drawn.
     pub gauge: Gauge,
-    /// [s] wall time of the whole animation at its default pace.
+    /// [s] wall time of the whole animation at its default speed.
     pub lasts: f64,
     /// Part of the box that the page draws, and its axes.
     pub view: BoxView,

@@ -41,7 +41,8 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
 }
 
 /// Answers of a work-precision chart as a table for a terminal. For each quantity the table contains the cheapest soft
-/// and hard method with an error below 1 % and below 0.1 %, with the number of operations of one run.
+/// and hard method within 1 %, and those within 0.1 %, with the number of operations of one run. Within a limit means
+/// that the error plus two standard errors does not exceed it.
 pub fn chart_answers(study: &ChartStudy) -> String {
     let rows = study.quantities.iter().enumerate().flat_map(|(index, quantity)| {
         [(0.01, "1 %"), (0.001, "0.1 %")].map(|(target, words)| -> TextRow {
@@ -140,7 +141,8 @@ fn reference(of: &ChartQuantity) -> Vec<String> {
 }
 
 impl ChartStudy<'_> {
-    /// Sentence that names the cheapest soft and the cheapest hard method for the quantity at `index`.
+    /// Sentence that names the cheapest soft and the cheapest hard method with an error within 1 % in the quantity with
+    /// the index `index`.
     fn aloud(&self, index: usize) -> String {
         let (target, words) = figures::WITHIN;
         let floor = self.quantities[index].floor;

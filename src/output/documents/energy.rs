@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 /// energy is highlighted. The error of the integrator at 20 steps per contact is much smaller.
 const SUSPECT_RESIDUAL: f64 = 1e-3;
 
-/// Notes on the energy that the restitution would have removed from collisions in quick succession. Collisions within
-/// the contact time of another collision are elastic and therefore keep this energy.
+/// Notes on the energy that the restitution would have removed from collisions in quick succession. A collision that
+/// follows another one of the same particle within the contact time is elastic and therefore keeps this energy.
 fn notes_on_contact_time(outcomes: &[Outcome], prefix: &Prefix) -> Vec<Block> {
     let note = |o: &Outcome| {
         let kept = o.record.ledger.contact_time_kept;
@@ -110,7 +110,8 @@ fn relative_residual(outcome: &Outcome) -> Option<f64> {
     (through > 0.0).then(|| residual / through)
 }
 
-/// Energies of a variant for `summary.json`: start, end, and all terms of the energy balance.
+/// Energies of a variant for `summary.json`: start, end, and the terms of the energy balance. Terms of parts that the
+/// scene lacks, such as shear, are left out.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let ledger = &outcome.record.ledger;
     let mut energies = json!({ "at_start": outcome.energy_at_start, "at_end": outcome.energy_at_end });

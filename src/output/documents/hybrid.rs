@@ -1,5 +1,6 @@
 //! Parts of a report about the instantaneous impacts in hybrid runs: their share of all impacts, and the neglected
-//! contact times and overlaps. A variant is one of the experiments of a case.
+//! contact times and overlaps. The other impacts of a hybrid run are soft contacts. A variant is one of the experiments
+//! of a case.
 
 use super::run::table;
 use crate::experiment::Model;

@@ -113,8 +113,8 @@ pub(super) fn json(outcome: &Outcome) -> Value {
     outcome.observations.iter().map(numbers).collect()
 }
 
-/// Tables of the measurements, each as name and contents of a file: one file with the curves of each measurement, and
-/// one with the numbers of all measurements.
+/// Files of the measurements, each as its name and contents: one table with the curves of each measurement, and one
+/// with the numbers of all measurements. Contacts and fields on grids have files for ParaView.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -139,7 +139,7 @@ pub(super) fn tables(outcomes: &[Outcome]) -> Result<Vec<(String, Vec<u8>)>, Out
 }
 
 /// Contents of the file with the curves of one measurement, with one row per variant and place. Variants may have
-/// different curves.
+/// different curves; cells of a curve that a variant lacks are empty.
 fn curves(results: &[(&Outcome, &Observation)]) -> Result<Vec<u8>, OutputError> {
     let mut columns: Vec<(&str, bool)> = Vec::new();
     for curve in results.iter().flat_map(|(_, observed)| &observed.curves) {

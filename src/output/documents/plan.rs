@@ -75,7 +75,7 @@ pub fn plan_text(document: &PlanDocument) -> String {
         Block::Paragraph(advice.headline()),
         advised(advice),
     ];
-    // the recommended model does not depend on failures in the timed windows
+    // the recommended model does not depend on failures in the short runs whose computing time is measured
     let stopped: Vec<&String> = plan.costs.iter().filter_map(|cost| cost.failure.as_ref()).collect();
     if let Some(why) = stopped.first().filter(|_| stopped.len() == plan.costs.len()) {
         blocks.push(Block::note(format!("No model comes to the end of the windows that were timed below: {why}.")));

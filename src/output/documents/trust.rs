@@ -42,7 +42,8 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
     blocks
 }
 
-/// Text of a value with its unit and its standard error. An error that is only rounding is left out.
+/// Text of a value with its unit and its standard error. An error of at most 1e-12 of the value is rounding, and is
+/// left out.
 fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
     let Some(found) = found.into() else { return UNKNOWN.into() };
     let space = if unit.is_empty() { "" } else { " " };

@@ -10,8 +10,8 @@ use crate::output::{Bounce, ObliqueStudy, PathPoint};
 pub fn overlap_in_time(bounces: &[Bounce]) -> String {
     let deepest = points(bounces).map(|point| -point.gap).filter(|overlap| overlap.is_finite()).fold(0.0, f64::max);
     let overlap = if deepest > 0.0 { Prefix::of(deepest) } else { Prefix::of(widest(bounces)) };
-    // the motion before and after the contact is cut off where the gap exceeds half the largest overlap, because the
-    // rest is uneventful
+    // the motion before and after the contact is cut off where the gap exceeds half the largest overlap, because
+    // nothing happens there
     let floor = if deepest > 0.0 { -0.5 * deepest } else { f64::NEG_INFINITY };
     let time = Prefix::of(span(bounces, floor));
     let series = series(bounces, |path| {
@@ -79,7 +79,8 @@ fn widest(bounces: &[Bounce]) -> f64 {
     points(bounces).map(|point| point.gap.abs()).filter(|gap| gap.is_finite()).fold(0.0, f64::max)
 }
 
-/// First and last time [s] at which the overlap is at least `floor` [m] in any variant. A negative overlap is a gap.
+/// First and last time [s] at which the overlap is at least `floor` [m] in any variant; (∞, -∞) if there is no such
+/// time. A negative overlap is a gap.
 fn near(bounces: &[Bounce], floor: f64) -> (f64, f64) {
     let times = bounces.iter().flat_map(|bounce| cut(&bounce.path, floor)).map(|(t, _)| t).filter(|t| t.is_finite());
     times.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)))

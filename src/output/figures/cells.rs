@@ -1,5 +1,5 @@
 //! Maps of coloured cells with theoretical lines. The colours are those of Okabe and Ito, and shades of blue. Cells of
-//! failed runs also have crosses, so that a map is readable without colours.
+//! runs that failed or gave wrong results also have crosses, so that a map is readable without colours.
 
 use super::chart::{HEIGHT, WIDTH, plain, powers, style, svg, ticks, with_legend};
 use crate::output::limits::{RegimeMap, Shade};

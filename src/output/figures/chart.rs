@@ -239,7 +239,8 @@ pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
     }))
 }
 
-/// Tick labels of a logarithmic axis. Long numbers are written as powers of ten.
+/// Tick labels of a logarithmic axis. Whole powers of ten below 0.01 or above 1000 are written as powers, all other
+/// numbers as usual.
 pub(super) fn powers() -> TickFormat {
     TickFormat::Custom(Arc::new(|value| {
         let power = value.log10();

@@ -10,8 +10,8 @@ use crate::output::panel::Figure;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
 /// Points (y⁺, U⁺) of a direct numerical simulation of channel flow at Re_τ = 1000.512, in wall units: y⁺ = y u_τ/ν and
-/// U⁺ = U/u_τ. Its friction velocity u_τ is 0.0500256 of the bulk velocity. From Lee and Moser 2015, J. Fluid Mech.
-/// 774, 395-415.
+/// U⁺ = U/u_τ, with the kinematic viscosity ν. The friction velocity u_τ of the simulation is 0.0500256 times its bulk
+/// velocity. From Lee and Moser 2015, J. Fluid Mech. 774, 395-415.
 pub const CHANNEL_DNS: [(f64, f64); 9] = [
     (5.0, 4.829),
     (10.0, 8.434),
@@ -51,8 +51,8 @@ pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
 /// Figure of the profiles of several gases between walls at y = 0 and y = `height` [m]. The horizontal axis is the
 /// distance from the wall on a logarithmic scale, up to the middle of the channel. `None` for fewer than two gases.
 pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
-    /// [-] distance from the wall at which the curves begin, over the width of the channel. It is about half the radius
-    /// of spheres of 0.4 mm in a channel of 40 mm.
+    /// [-] distance from the wall at which the curves begin, over the width of the channel. In a channel of the width
+    /// 40 mm, it is about half the radius of spheres with the diameter 0.4 mm.
     const NEAREST: f64 = 2.5e-3;
     if profiles.len() < 2 {
         return None;

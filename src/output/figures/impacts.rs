@@ -1,6 +1,7 @@
 //! Figures of the distributions of impacts (Fig. 6 of the paper), and of mean overlaps against the overlap number κ_n
 //! (Eq. 13 of the paper). The paper is that of docs/paper.md. κ_n is the time average of the overlap over the diameter
-//! in a Maxwellian gas. A variant is one of the experiments of a case.
+//! in a Maxwellian gas. A variant is one of the experiments of a case. Variants that are drawn in the same panel form a
+//! group.
 
 use super::chart;
 use crate::experiment::SoftStepping;
@@ -104,8 +105,8 @@ pub fn first_overlap(outcomes: &[Outcome]) -> String {
 }
 
 /// Picture of the mean overlaps of all soft variants, divided by κ_n and the diameter, as a function of the overlap
-/// number κ_n. Lines show kinetic theory. One panel is for pairs of particles, one for walls. `None` for fewer than two
-/// variants.
+/// number κ_n. Lines show kinetic theory. One panel is for pairs of particles, one for walls. A panel with fewer than
+/// two variants is left out; `None` if no panel remains.
 pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     let panel = |title: &str, wall: bool| {
         let known: Vec<(f64, &Impacts)> = outcomes
@@ -200,7 +201,8 @@ impl ImpactQuantity {
             else {
                 continue;
             };
-            // if the last group has fewer bins than the others, the missing bins count as empty
+            // if the last group of merged bins is smaller than the other groups of bins, its missing bins count as
+            // empty
             let density = sum / merged as f64;
             let y = if self.shape == Shape::LogDensity { density.max(half_count(histogram, merged)) } else { density };
             let upper = first.lower + merged as f64 * histogram.width;

@@ -1,4 +1,5 @@
-//! Figures of the measurements that a case requests. A variant is one of the experiments of a case.
+//! Figures of the measurements that a case requests. A variant is one of the experiments of a case. Variants that are
+//! drawn in the same panel form a group.
 
 use super::file_name;
 use super::map::map;

@@ -1,8 +1,9 @@
-//! Pictures of results, as SVG text with a width of 640 px.
+//! Pictures of results, as SVG text.
 //!
-//! All pictures have the style of the file `chart.rs`. Bands show one standard error. A variant has the same colour,
-//! dash pattern and marker in every picture. Values that cannot be drawn are left out. A panel without points contains
-//! the text "nothing recorded". A variant is one of the experiments of a case.
+//! All pictures except those of `overview` have the style of the file `chart.rs` and a width of 640 px. Bands show one
+//! standard error. A variant has the same colour, dash pattern and marker in every picture of up to six variants.
+//! Values that cannot be drawn are left out. A panel without points contains the text "nothing recorded". A variant is
+//! one of the experiments of a case.
 
 mod bounces;
 mod budgets;
@@ -52,7 +53,7 @@ pub fn glance(study: &Study) -> Vec<Figure> {
     overview::differences(study).into_iter().chain(overview::cost(study)).collect()
 }
 
-/// Figures of the averages of a run or comparison, in the order of the page.
+/// Figures of the averages and of the impacts of a run or comparison, in the order of the page.
 pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = vec![
         Figure::new(
@@ -149,8 +150,8 @@ fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
 /// whole name.
 const LONGEST_NAME: usize = 100;
 
-/// Converts a title to a part of a file name: letters and digits in lower case, and hyphens instead of other
-/// characters. Long titles are cut, and a checksum of the whole title is added.
+/// Converts a title to a part of a file name: ASCII letters and digits in lower case, and one hyphen instead of each
+/// series of other characters. Long titles are cut, and a checksum of the whole title is added.
 pub fn file_name(title: &str) -> String {
     let letters = title.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { ' ' });
     let mut name = letters.collect::<String>().split_whitespace().collect::<Vec<_>>().join("-");

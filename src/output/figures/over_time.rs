@@ -11,18 +11,18 @@ use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle}
 use crate::predict::closed_form::{Bouncing, Chain, Cooling, settling_velocity};
 use nalgebra::Vector3;
 
-/// Number of equal parts of a run in which impact rates are averaged. With 50 parts, a curve has enough points, and
-/// each part contains impacts.
+/// Number of equal parts of a run in which impact rates are averaged. With fewer parts a curve would have few points,
+/// and with more parts there would be few impacts in each part.
 const PARTS: usize = 50;
 
 /// Number of intervals of a curve by theory.
 const POINTS: usize = 600;
 
-/// [-] ratio of the highest to the lowest granular temperature in a run above which the axis of the temperature is
-/// logarithmic.
+/// [-] ratio of the highest to the lowest granular temperature in a panel. Above this ratio, the axis of the
+/// temperature is logarithmic.
 const DECAY: f64 = 20.0;
 
-/// [-] smallest ratio of the mean velocity to the settling velocity for which the settling velocity is drawn.
+/// [-] ratio of the largest mean velocity to the settling velocity, above which the settling velocity is drawn.
 const NEAR: f64 = 0.1;
 
 /// [-] ratio of the mean velocity to the velocity fluctuations, below which the mean velocity counts as a rounding
@@ -135,7 +135,8 @@ fn largest(series: &[PanelSeries]) -> f64 {
     series.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max)
 }
 
-/// Panel of a quantity whose unit `unit` gets an SI prefix, such as milli. `None` for a quantity that is always 0.
+/// Panel of a quantity whose unit `unit` gets an SI prefix, such as milli. `None` for a quantity that is always 0, and
+/// if only series by theory have points.
 fn prefixed(time: &TimeAxis, name: &str, unit: &str, mut series: Vec<PanelSeries>) -> Option<Panel> {
     let prefix = Prefix::of(largest(&series));
     series.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y *= prefix.factor);
@@ -146,8 +147,8 @@ fn plain(time: &TimeAxis, label: &str, series: Vec<PanelSeries>) -> Option<Panel
     (largest(&series) > 0.0).then(|| time.panel(label.into(), series))?
 }
 
-/// Curves of the granular temperature [m²/s²] over time. The list is empty if the temperature is unknown at an instant,
-/// as for a few particles.
+/// Curves of the granular temperature [m²/s²] over time. The list is empty if the temperature of any variant is unknown
+/// at any instant, as for a few particles.
 fn temperature(group: &PanelGroup, time: &TimeAxis) -> Vec<PanelSeries> {
     let known = |outcome: &Outcome| outcome.series.rows.iter().all(|row| row.temperature.is_some());
     let all = group.members.iter().all(|(_, outcome)| known(outcome));
@@ -204,8 +205,8 @@ fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     panels.into_iter().flatten().collect()
 }
 
-/// Index of the axis along which most of the motion occurs. It is the axis of gravity or, without gravity, that of the
-/// largest velocity. If nothing moves, it is the streamwise axis.
+/// Index of the axis along which most of the motion occurs. It is the axis with the largest component of gravity or,
+/// without gravity, that of the largest velocity in the recorded paths. If nothing moves, it is the streamwise axis.
 fn axis(outcome: &Outcome) -> usize {
     let gravity = outcome.experiment.scene.gravity_alone();
     let speeds =

@@ -93,8 +93,8 @@ struct DifferenceMark {
     /// [%] difference with its standard error, in per cent of the scale of the quantity (the value by which its
     /// differences are divided).
     found: Estimate,
-    /// [%] interval in which the differences at all positions or instants lie, in per cent of the scale of the quantity
-    /// (the value by which its differences are divided).
+    /// [%] confidence interval that contains the differences at all positions or instants, in per cent of the scale of
+    /// the quantity (the value by which its differences are divided).
     interval: [f64; 2],
 }
 
@@ -192,7 +192,7 @@ fn arrow(x: f64, y: f64, side: f64) -> String {
 }
 
 /// Figure of the cost of each variant: wall-clock time per simulated time, with one bar per variant. `None` without a
-/// comparison, or if no finished run was long enough to compare its time.
+/// comparison, or if no finished run took at least 0.1 s of wall-clock time.
 pub fn cost(study: &Study) -> Option<Figure> {
     let outcomes = study.outcomes;
     let told = outcomes.iter().filter(|o| o.failure.is_none() && o.timing.wall_seconds >= TELLING);

@@ -17,7 +17,8 @@ use crate::walls::WallGeometry;
 /// Number of points of the drawn profile of the gas velocity.
 const FLUID_POINTS: usize = 201;
 
-/// Picture of the number density over its mean, with a panel per group of variants.
+/// Picture of the number density over its mean, with a panel per group of variants. The density is that in the volume
+/// that centres of particles can reach.
 pub fn number_density(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let panel = |group: &PanelGroup| {

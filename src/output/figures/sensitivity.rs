@@ -1,5 +1,5 @@
-//! Figure of the shifts of the observables by each factor, in units of the margin of equivalence (largest accepted
-//! difference).
+//! Figure of the shifts of the observables by each factor (changed input of the case), in units of the margin of
+//! equivalence (largest accepted difference).
 
 use super::rows::{Dot, RowsFigure, rows};
 use crate::output::panel::Figure;

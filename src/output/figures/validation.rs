@@ -1,4 +1,5 @@
-//! Figures of the validation suite: the largest deviation in each row, and the pictures of single rows.
+//! Figures of the validation suite: the largest deviation in each row, and the pictures of single rows. A row is a
+//! comparison with one reference.
 
 use super::chart;
 use super::limits::x_range;

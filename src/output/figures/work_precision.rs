@@ -13,7 +13,7 @@ const LOWEST: f64 = 1e-9;
 pub const WITHIN: (f64, &str) = (0.01, "1 %");
 
 /// Figures of the error of each quantity. The first figures show the error as a function of the number of operations,
-/// the others as a function of wall-clock time.
+/// the other figures as a function of wall-clock time.
 pub fn work_precision(study: &ChartStudy) -> Vec<Figure> {
     let all = |cost: CostMeasure, name: &'static str, words: &'static str| {
         study.quantities.iter().enumerate().map(move |(index, quantity)| {

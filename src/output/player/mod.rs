@@ -58,9 +58,10 @@ struct RecordingFrame {
     periodic: [bool; 3],
     /// Line segments that outline each wall, with six coordinates [m] per segment.
     walls: Vec<Vec<f64>>,
-    /// [m/s²] acceleration by gravity, for the curved paths of particles between the recorded instants.
+    /// [m/s²] acceleration by gravity, for the curved paths of particles between the recorded instants; 0 in a gas.
     gravity: Vector3<f64>,
-    /// [m/s] mean velocity of all particles along periodic axes. The view of the animation may move with this velocity.
+    /// [m/s] mean initial velocity along periodic axes, where it is larger than the fluctuations. The view of the
+    /// animation may move with this velocity.
     drift: Vector3<f64>,
     /// Names of the species.
     names: Vec<String>,

@@ -12,7 +12,7 @@ const MARGIN: f64 = 6.0;
 /// Colours of spheres from the slowest to the fastest, as in scene.js.
 const SCALE: [&str; 6] = ["#323888", "#245696", "#1b798e", "#3e9d79", "#8ebc52", "#ecd646"];
 
-/// SVG picture of the last recorded instant of a run. Spheres are coloured by speed.
+/// SVG picture of the last recorded instant of a run; empty if nothing was recorded. Spheres are coloured by speed.
 pub fn still(stage: &RecordingFrame, frames: &Frames) -> String {
     let Some(last) = frames.frames.last() else { return String::new() };
     let [right, up] = match stage.view {

@@ -1,4 +1,5 @@
-//! Data of one frame (instant) of a trajectory, and the formats of the file of a frame.
+//! Data of one frame (instant) of a trajectory, and the formats of the file of a frame. The store of a simulation is
+//! the memory with the data of all its particles.
 
 use super::vtp::Vtp;
 use crate::domain::Domain;
@@ -47,8 +48,8 @@ pub(super) struct Cast {
 }
 
 impl Cast {
-    /// Copies the constant data of the particles, in the order of the particle store. The writing thread sorts them by
-    /// id later.
+    /// Copies the constant data of the particles, in the order of the particle store. [`sort`](Self::sort) sorts them
+    /// by id later.
     pub(super) fn of(simulation: &Simulation) -> Self {
         let particles = &simulation.particles;
         Self {
@@ -97,8 +98,8 @@ struct Own {
 }
 
 impl TrajectoryFrame {
-    /// Copies the data of one instant from the simulation, in the order of the particle store. The writing thread sorts
-    /// the data later.
+    /// Copies the data of one instant from the simulation, in the order of the particle store. [`sort`](Self::sort)
+    /// sorts the data by id later.
     pub(super) fn take(&mut self, simulation: &Simulation) {
         let particles = &simulation.particles;
         self.time = simulation.time;
@@ -140,7 +141,8 @@ impl TrajectoryFrame {
     }
 
     /// Contents of the file that joins the pieces of one instant; each process has written its particles as a piece.
-    /// `time` [s] is the simulated time. The pieces contain spins if `rotate` is true.
+    /// `time` [s] is the simulated time. The pieces contain spins if `rotate` is true; `pieces` has the names of their
+    /// files.
     pub(super) fn joined(time: f64, rotate: bool, pieces: impl Iterator<Item = String>) -> Vec<u8> {
         let domain = Domain::new(Vector3::repeat(1.0), [false; 3]);
         let nobody = Cast { domain, id: Vec::new(), radius: Vec::new(), species: Vec::new() };

@@ -2,12 +2,11 @@
 //! ParaView (`.vtp` with a `.pvd` index), and extended XYZ for OVITO and ASE.
 //!
 //! An observer copies the required data of the simulation, and sends the copy to a thread that sorts and writes it.
-//! Each file is written either completely or not at all. At any time the memory holds at most three frames. If the disk
-//! is slower than the run, the run waits.
+//! Each file is written either completely or not at all. A frame is the state at one instant, first in memory, then as
+//! a file. At any time the memory holds at most three frames. If the disk is slower than the run, the run waits.
 //!
-//! If several processes share a run, each process writes its particles as one piece of the frame (file of one instant),
-//! in a VTK file. When all pieces are written, the writing thread of the lead process writes a file that joins them
-//! (`.pvtp`).
+//! If several processes share a run, each process writes its particles as one piece of the frame, in a VTK file. When
+//! all pieces are written, the writing thread of the lead process writes a file that joins them (`.pvtp`).
 
 mod beside;
 mod frame;
@@ -40,8 +39,8 @@ use std::thread::{Scope, ScopedJoinHandle};
 /// Name of the subfolder with the trajectory files.
 pub const TRAJECTORY: &str = "trajectory";
 
-/// True if the file is a trajectory written by this program, whose name is at the beginning of the file. Other files in
-/// the folder belong to the user.
+/// True if the file was written by this program: the word `diptych` is in its first 512 bytes. Other files in the
+/// folder belong to the user.
 pub(super) fn is_ours(path: &Path) -> bool {
     let mut beginning = [0; 512];
     let read = File::open(path).and_then(|mut file| file.read(&mut beginning));
@@ -218,8 +217,8 @@ impl<'scope> Trajectory<'scope> {
     }
 
     /// Sends the data that the writing thread requires before a frame (file of one instant). Before the first frame
-    /// these are walls, times of existing frames, and whether spheres rotate. Before each frame these are walls that
-    /// move, and contacts.
+    /// these are walls, times of existing frames, and whether spheres rotate. Before each frame these are moving walls,
+    /// and contacts if they are requested.
     fn begin(&mut self, simulation: &Simulation) {
         let (scene, moves) = (simulation.scene(), simulation.scene().has_moving_walls());
         if !self.begun {
@@ -462,7 +461,8 @@ impl Writer<'_> {
     }
 
     /// Writes the index file for ParaView, which lists time and file of each frame (instant of the trajectory). The
-    /// frames with the numbers in `gone` are left out.
+    /// frames with the numbers in `gone` are left out. Then removes the files in `spare`. Does nothing for a trajectory
+    /// without VTK files, or if the index lists all frames.
     fn list(&mut self, gone: &[usize]) -> Result<(), OutputError> {
         if !self.format.is_vtp() || gone.is_empty() && self.listed == self.frames.len() {
             return Ok(());

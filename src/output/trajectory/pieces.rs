@@ -32,7 +32,7 @@ impl FramePiece {
     fn write(&mut self, simulation: &Simulation, folder: &Folder, name: &str) -> Result<(), OutputError> {
         self.frame.take(simulation);
         self.frame.sort();
-        // each frame has its own constant data, because particles move between processes
+        // each frame has its own ids, radii and species, because particles move between processes
         let mut cast = Cast::of(simulation);
         cast.sort();
         let parts = self.frame.vtp(&cast, std::mem::take(&mut self.bytes));
@@ -51,8 +51,8 @@ impl Trajectory<'_> {
         let leads = processes.is_lead();
         let mut number = [if leads { self.next_frame(simulation) } else { 0 }];
         processes.sum(&mut number);
-        // the sum is the number of the lead process, because all others contribute 0; a negative number means that the
-        // lead process has failed, or that the frame exists
+        // the sum is the frame number of the lead process, because all other processes contribute 0; a negative number
+        // means that writing has failed in the lead process, or that the frame exists
         let Ok(number) = usize::try_from(number[0]) else { return };
         let own = piece(&self.name, number, processes.rank());
         let result = self.piece.write(simulation, self.folder, &own);
@@ -73,9 +73,9 @@ impl Trajectory<'_> {
         self.send(WriterMessage::Pieces(simulation.time, processes.size()));
     }
 
-    /// Number of the frame (instant of the trajectory) that all processes are to write, or -1 if there is none. On
-    /// return, all earlier frames of this run are written. A file that would join incomplete pieces of this frame has
-    /// been removed.
+    /// Number of the frame (instant of the trajectory) that all processes are to write; -1 if this frame exists or
+    /// writing has failed. If there is a frame to write, all earlier frames of this run are written on return. A file
+    /// that would join incomplete pieces of this frame has been removed.
     fn next_frame(&mut self, simulation: &Simulation) -> i64 {
         let number = self.times.len();
         if self.is_done(simulation.time) {
@@ -91,8 +91,8 @@ impl Trajectory<'_> {
         if self.failed.is_some() || self.progress.now().failed.is_some() { -1 } else { number as i64 }
     }
 
-    /// Error if the file with the particles of another process does not exist in the folder of this process; otherwise
-    /// `None`. `number` is the number of the frame (instant of the trajectory).
+    /// Error if the piece of the process with the number `process` does not exist in the folder of this process;
+    /// otherwise `None`. `number` is the number of the frame (instant of the trajectory).
     fn missing(&self, number: usize, process: usize) -> Option<OutputError> {
         let path = self.folder.path().join(piece(&self.name, number, process));
         let why = || {

@@ -7,7 +7,7 @@
 use std::fmt::Write;
 
 /// [byte] size of the buffer in which numbers are collected before they are appended to the file. It is a multiple of
-/// the size of every array entry: up to six numbers of at most 8 bytes.
+/// the size of an array entry, which has 1, 3 or 6 numbers of at most 8 bytes.
 const PIECE: usize = 6144;
 
 /// VTK file under construction. The header describes the arrays, and the bytes of the arrays follow in the same order.
@@ -51,7 +51,7 @@ impl Vtp {
         Self::of_kind("PolyData", memory, time, ["", &counts])
     }
 
-    /// VTK file of `lines` lines at the simulated time `time` [s]. `ends` returns the two end points [m] of each line.
+    /// VTK file of `lines` lines at the simulated time `time` [s]. `ends` has the two end points [m] of each line.
     /// `arrays` adds arrays with one value per line.
     pub(in crate::output) fn of_lines(
         time: f64,
@@ -113,7 +113,7 @@ impl Vtp {
         }
     }
 
-    /// Adds an array of `C` components per point or cell.
+    /// Adds an array with the name `name` and with `C` numbers per entry, such as per point or cell.
     pub(in crate::output) fn array<T: Number, const C: usize>(
         &mut self,
         name: &str,

@@ -10,8 +10,9 @@ use nalgebra::Vector3;
 /// Surface as the list of its corners [m], and a list of polygons. A polygon is a list of indices of corners.
 pub(in crate::output) type DrawnSurface = (Vec<Vector3<f64>>, Vec<Vec<u32>>);
 
-/// VTK PolyData file with the surfaces of all walls at `time` [s]. The walls of `scene` must be at their places of that
-/// time. Each polygon has the index of its wall in the case. `None` if no wall has a surface in the box.
+/// VTK PolyData file with the surfaces of all walls at `time` [s], as three parts to be written one after the other.
+/// The walls of `scene` must be at their places of that time. For each polygon, the file contains the index of its wall
+/// in the case. `None` if no wall has a surface in the box.
 pub(super) fn walls(scene: &Scene, time: f64) -> Option<[Vec<u8>; 3]> {
     let surfaces = scene.walls.iter().map(|wall| match &wall.geometry {
         WallGeometry::Plane(plane) => flat(plane, &scene.domain),
@@ -48,7 +49,7 @@ pub(super) fn walls(scene: &Scene, time: f64) -> Option<[Vec<u8>; 3]> {
 }
 
 /// Part of a plane inside the box: one convex polygon, anticlockwise when seen from the side to which the normal
-/// points.
+/// points. Both lists of the surface are empty if the plane does not cut the box.
 pub(in crate::output) fn flat(plane: &Plane, domain: &Domain) -> DrawnSurface {
     let corner = |k: usize| Vector3::from_fn(|axis, _| if k >> axis & 1 == 1 { domain.size[axis] } else { 0.0 });
     let height = |x: &Vector3<f64>| (x - plane.point).dot(&plane.normal);

@@ -1,5 +1,5 @@
-//! Contracts: conditions that engines require of every contact law. Laws of the calling program are checked when a
-//! simulation is made.
+//! Contracts: conditions that the simulation requires of every contact law. Laws of the calling program (which uses
+//! this library) are checked when a simulation is made.
 
 use super::{ContactLaw, Spring};
 use serde::{Deserialize, Serialize};
@@ -84,7 +84,8 @@ impl ContactLaw {
         if share.is_nan() || share > TOLERANCE {
             return Err(BrokenContract::ForceAtTouch { share });
         }
-        // the largest magnitude is the reference, because the energy of an attractive law passes through zero
+        // the largest magnitude is the reference, because the stored energy of a law with attraction passes through
+        // zero
         let whole = largest(&|overlap| law.stored_energy(spring, overlap));
         let mut work = 0.0;
         for k in 0..POINTS {

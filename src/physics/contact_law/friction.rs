@@ -33,8 +33,8 @@ pub struct Friction {
 
 /// Friction force against the slip that the bodies would have, without friction, at the end of a step of `time_step`
 /// [s]. A force against the present slip would act one step late, and bodies would creep down a slope. `to_middle` [s]
-/// is the time from now to the instant for which the power is computed. The other arguments are those of
-/// [`coulomb_limit`]. `None` if there is no friction force.
+/// is the time from now to the instant for which the power is computed. `friction`, `normal_force` and `effective_mass`
+/// are those of [`coulomb_limit`]. `None` if the friction force is zero.
 #[inline(always)]
 pub fn coulomb(
     friction: f64,

@@ -15,14 +15,14 @@ use std::f64::consts::PI;
 /// dashpot. With the effective mass M, the square of the oscillator's undamped frequency is ω_0² = 4 k_H/(5 M), and its
 /// damping ratio is c/sqrt(5 M k_H) (Antypov and Elliott 2011, EPL 94, 50004). The constant c = ζ sqrt(5 M k_H), with
 /// the damping ratio ζ of a linear dashpot, therefore gives exactly the required restitution at every speed, if the
-/// contact ends at δ = 0. The force is slightly attractive at the end. The time of the impact follows from dt = 4/5
+/// contact ends at δ = 0. The force is slightly attractive at the end. The time t in the impact follows from dt = 4/5
 /// w^(-1/5) ds, where s is the time of the oscillator.
 ///
 /// The constants between two bodies are k_H [N/m^1.5] and c [N s/m^1.25]. Walls count as flat. The law is valid if δ is
 /// small compared with the radius, and the impact is slow compared with the speed of sound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hertz {
-    /// Elasticity of every body for which a case gives no elasticity.
+    /// Elasticity of every body for which a case (input file) gives no elasticity.
     pub elasticity: Elasticity,
 }
 

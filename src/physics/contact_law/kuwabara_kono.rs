@@ -9,10 +9,11 @@ use crate::scene::Elasticity;
 /// Rev. E 53, 5382). The constant k [N/m^1.5] is that of [`Hertz`]. δ is the overlap and u_n the normal velocity.
 ///
 /// The restitution depends on the speed u: it is a function of the damping number β = (c/k) (k/M)^(2/5) u^(1/5), with
-/// the effective mass M. The constant c follows from the restitution of the surfaces. In a case, this restitution must
-/// be [`RestitutionBySpeed::Viscoelastic`] or 1. Then c does not depend on the speed, and impacts at every speed have
-/// the restitution of hard spheres with the same surfaces. A calling program can also give a constant restitution, or a
-/// restitution that is another function of the speed. Impacts at 1 m/s then have the restitution `Bodies::restitution`.
+/// the effective mass M. The constant c follows from the restitution of the surfaces. In a case (input file), this
+/// restitution must be [`RestitutionBySpeed::Viscoelastic`] or 1. Then c does not depend on the speed, and impacts at
+/// every speed have the restitution of hard spheres with the same surfaces. A program that uses this library can also
+/// give a constant restitution, or a restitution that is another function of the speed. Impacts at 1 m/s then have the
+/// restitution `Bodies::restitution`.
 ///
 /// The contact ends when δ = 0, so the force attracts a little at the end. The law is valid while δ is small compared
 /// with the radius, and while the impact is slow compared with the speed of sound and with the relaxation of the

@@ -1,9 +1,9 @@
 //! Contact laws of soft spheres. A contact law gives the force with which two touching bodies push each other apart.
 //!
-//! A law is one file of this folder with a variant of [`ContactLaw`], or a type of the calling program as
-//! [`ContactLaw::Other`]. A law must define four functions: the constants between two bodies, the force, the stored
-//! energy, and the parameters. All other quantities are computed by numerical integration ([`numerical`]), unless the
-//! law has closed forms.
+//! A law is one file of this folder with a variant of [`ContactLaw`], or a type of the calling program (which uses this
+//! library) as [`ContactLaw::Other`]. A law must define four functions: the constants between two bodies, the force,
+//! the stored energy, and the parameters. All other quantities are computed by numerical integration ([`numerical`]),
+//! unless the law has closed forms.
 //!
 //! Sign convention: the overlap δ [m] is positive while the bodies touch. Its rate is minus the normal velocity u_n
 //! [m/s], which is negative while the bodies approach. A contact ends when δ = 0, the convention of the paper that
@@ -117,8 +117,9 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         numerical::greatest_overlap(self, spring, speed)
     }
 
-    /// [1/s] highest angular frequency sqrt(f'(δ)/M) during an impact at normal speed `speed` [m/s], where f' is the
-    /// slope of the elastic force. The time step must be stable for this frequency.
+    /// [1/s] highest angular frequency sqrt(f'(δ)/M) during an impact at normal speed `speed` [m/s]. Here f' is the
+    /// slope of the elastic force at the overlap δ, and M the effective mass. The time step must be stable for this
+    /// frequency.
     fn frequency(&self, spring: &Spring, speed: f64) -> f64 {
         numerical::frequency(self, spring, speed)
     }
@@ -164,7 +165,7 @@ pub trait Law: std::fmt::Debug + Send + Sync {
 /// A parameter of a contact law, for tables and messages.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Parameter {
-    /// Name of the law, and of its table below `[soft]` in a case.
+    /// Name of the law, and of its table below `[soft]` in a case (input file).
     pub law: &'static str,
     /// Key of the parameter in the table of the law.
     pub key: &'static str,
@@ -251,14 +252,15 @@ impl ContactLaw {
         Self::Other(Box::leak(Box::new(law)))
     }
 
-    /// Returns the elastic and the viscous force [N], as [`Law::force`] defines them. A virtual call is avoided,
-    /// because every time step calls this method.
+    /// Returns the elastic and the viscous force [N], as [`Law::force`] defines them. For laws of this library a
+    /// virtual call is avoided, because every time step calls this method.
     #[inline]
     pub fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64) {
         with_law!(self, law => law.force(spring, overlap, normal_velocity))
     }
 
-    /// Returns the stored energy [J], as [`Law::stored_energy`] defines it. A virtual call is avoided.
+    /// Returns the stored energy [J], as [`Law::stored_energy`] defines it. For laws of this library a virtual call is
+    /// avoided.
     #[inline]
     pub fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         with_law!(self, law => law.stored_energy(spring, overlap))
@@ -305,8 +307,8 @@ impl ContactLaw {
         self.shear_stiffness(&bodies) / self.between(&bodies).stiffness
     }
 
-    /// True if the elastic force is proportional to the overlap, and the viscous force to its rate. Closed forms for
-    /// linear contacts are then valid.
+    /// True for the linear spring-dashpot law of this library, for which closed forms of linear contacts are valid.
+    /// False for all other laws, also for linear laws of the calling program.
     pub fn is_linear(&self) -> bool {
         matches!(self, Self::LinearSpringDashpot(_))
     }

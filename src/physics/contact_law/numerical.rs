@@ -2,8 +2,8 @@
 
 use super::{Law, Spring};
 
-/// Number of time steps in the time that an approach at constant speed takes from touch to the largest overlap. The
-/// relative error of the fourth-order method is below 1e-10.
+/// Number of time steps in the time that an approach at constant speed takes from touch to the largest overlap. For
+/// smooth forces, the relative error of the fourth-order method is below 1e-10.
 const STEPS: f64 = 1000.0;
 /// [-] largest duration of an impact, divided by the time that an approach at constant speed takes from touch to the
 /// largest overlap. Longer impacts count as endless.
@@ -116,7 +116,8 @@ impl IntegratedImpact {
 }
 
 /// [m] largest overlap of an impact at the normal speed `speed` [m/s], by integration in time steps. For an impact that
-/// does not end, it is the overlap without damping.
+/// does not end, it is the overlap without damping. It is infinite if no overlap stores the kinetic energy of the
+/// impact.
 pub fn greatest_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> f64 {
     match IntegratedImpact::new(law, spring, speed) {
         Some(impact) => impact.greatest_overlap(),

@@ -17,8 +17,8 @@ use nalgebra::{SMatrix, SVector};
 const PIECE_BITS: u32 = 4;
 /// Number of remaining bits of the mantissa of w², which give the position within a piece of the table.
 const REST_BITS: u32 = f64::MANTISSA_DIGITS - 1 - PIECE_BITS;
-/// [m²/s²] lower end of the table in w², the square of the slip speed. It is a power of 2 and corresponds to w = 1e-6
-/// m/s.
+/// [m²/s²] lower end of the table in w², the square of the slip speed. It is a power of 2 and corresponds to w near
+/// 1e-6 m/s.
 const LOWEST: f64 = 1.0 / (1_u64 << 40) as f64;
 /// [m²/s²] upper end of the table in w², the square of the slip speed. It is a power of 2 and corresponds to w = 64
 /// m/s.
@@ -38,7 +38,8 @@ const NODES: [f64; TERMS] = [0.0, 0.146_446_609_406_726_24, 0.5, 0.853_553_390_5
 const CHECKS: [f64; TERMS - 1] = [0.05, 0.32, 0.68, 0.95];
 
 /// Coefficients [-] of the polynomial of a piece, constant term first. The variable is the position within the piece,
-/// from 0 to 1. All coefficients are not-a-number if the law switches between two formulas within the piece.
+/// from 0 to 1. All coefficients are not-a-number if the error of the piece exceeds `TOLERANCE`, as where the law
+/// switches between two formulas.
 type Piece = [f64; TERMS];
 
 /// Drag kick: change of the slip velocity of particles by drag alone in a given time, for spheres of each species.
@@ -148,9 +149,9 @@ impl Kick {
         }
     }
 
-    /// [-] change of the slip velocity in a kick, divided by the slip velocity before. The sphere has the radius
-    /// `radius` [m] and the volume fraction `fraction` [-] of particles around it. `square` [m²/s²] is the square of
-    /// the slip speed.
+    /// [-] change of the slip velocity in a kick, divided by the slip velocity before. The sphere has the species with
+    /// the index `species`, the radius `radius` [m] and the volume fraction `fraction` [-] of particles around it.
+    /// `square` [m²/s²] is the square of the slip speed.
     pub fn change_among(&self, species: u16, radius: f64, fraction: f64, square: f64) -> f64 {
         let index = usize::from(species);
         let own = self.species[index].sphere.among(fraction);

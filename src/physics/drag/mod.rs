@@ -84,7 +84,7 @@ impl Sphere {
 /// assert!((left - Stokes.decay(&sphere, 3.0, 0.2)).abs() < 1e-12);
 /// ```
 pub trait DragLaw: std::fmt::Debug + Send + Sync {
-    /// Name of the drag law in cases and in results.
+    /// Name of the drag law in cases (input files) and in results.
     fn name(&self) -> &'static str;
 
     /// Names and values [SI] of all parameters of the drag law; empty if there are none. Name and parameters are used

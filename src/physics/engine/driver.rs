@@ -33,8 +33,8 @@ pub struct Work<'a, C> {
     pub lasting: &'a mut Vec<C>,
     /// Log of the impacts, energies and impulses in the time window.
     pub log: &'a mut Log,
-    /// Record of the run, to which the log is added at the end of the time window. A solver with a full log may add it
-    /// earlier.
+    /// Record of the run, to which the log is added at the end of the time window. If the log is full, a solver may add
+    /// it to the record earlier.
     pub record: &'a mut Record,
 }
 
@@ -210,7 +210,8 @@ impl<S: DistributedSolver> Driver<S> {
         Some(choice)
     }
 
-    /// Passes the result of trying islands to the solver, which decides when islands are tried again. `done` is the
+    /// Passes the result of trying islands to the solver, which decides when islands are tried again. Also adds up the
+    /// counts of all processes, and marks stored data of the solver as outdated if islands were searched. `done` is the
     /// simulated time [s] that was covered by islands, or a failure.
     fn judge(&mut self, choice: &IslandCost, scene: &Scene, before: IslandCounters, done: &Result<f64, Failure>) {
         self.islands.processes.share_counts(&mut self.islands.counters, &before);

@@ -97,7 +97,7 @@ pub trait Engine: Send {
     fn for_each_touching(&self, _visit: &mut dyn FnMut(Couple)) {}
 
     /// Indices of the particles that were members of islands (groups solved separately) in the last time window.
-    /// `None`, the default, if the classical algorithm moved all particles at the end of that window.
+    /// `None`, the default, if all particles were moved at once at the end of that window.
     fn in_islands(&self) -> Option<&[u32]> {
         None
     }
@@ -159,8 +159,8 @@ pub struct Counters {
     /// also counts as one (soft and hybrid spheres).
     pub steps: u64,
     /// Number of steps in which all particles were moved (soft spheres), included in `steps`. For hybrid spheres, the
-    /// steps of crowds (large islands) are included too. Local stepping, which otherwise moves each island separately,
-    /// uses such steps if too many particles touch.
+    /// steps of crowds (large islands) are included too. Depending on the settings and on the number of touching
+    /// particles, soft spheres are moved by local steps of single islands instead.
     pub uniform_steps: u64,
     /// Number of candidates (two particles, or a particle and a wall) whose gap or time of touch was computed. For soft
     /// uniform steps, all candidates in the neighbour list are counted, also those that are skipped as too far apart.
@@ -181,8 +181,8 @@ pub struct Counters {
     pub island_members: u64,
     /// Number of particles in the largest island.
     pub largest_island: u64,
-    /// Number of islands that were solved again, because a particle met an unexpected particle or exceeded its speed
-    /// limit.
+    /// Number of islands that were solved again, because a particle met an unexpected particle or exceeded the speed
+    /// assumed for it, or because the island took too much computing time.
     pub islands_redone: u64,
 }
 
@@ -289,7 +289,8 @@ pub enum Failure {
         particle: u32,
         /// The particle or wall with which `particle` collides repeatedly.
         partner: Partner,
-        /// Number of impacts of that particle since the start of the time window, or of its island within the window.
+        /// Number of impacts of that particle since the start of the time window. If islands (groups solved separately)
+        /// moved the particle first, impacts are counted from the instant at which the islands were given up.
         impacts: u64,
         /// Time [s] between the last two impacts.
         interval: f64,
@@ -379,7 +380,8 @@ pub enum Failure {
     },
 }
 
-/// Time [s] for messages, rounded to nine digits. Further digits are rounding errors of the sum of time windows.
+/// Time [s] for messages, rounded to nine significant digits. Further digits are rounding errors of the sum of time
+/// windows.
 fn nine(time: &f64) -> f64 {
     format!("{time:.8e}").parse().unwrap_or(*time)
 }

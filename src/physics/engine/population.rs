@@ -24,7 +24,8 @@ pub struct PopulationSummary {
     /// [-] volume fraction: volume of the particles divided by the volume open to them.
     pub filled: f64,
     /// [-] mean volume fraction around a particle. It is larger than `filled` if gravity holds the particles in a layer
-    /// that does not fill the box. If several processes share the run, it equals `filled`.
+    /// that does not fill the box. If each process stores only a part of the particles at the start of a run, it equals
+    /// `filled`.
     pub crowded: f64,
     /// True if not all particles have equal radii.
     pub mixed: bool,
@@ -70,7 +71,7 @@ impl PopulationSummary {
 /// the mean, as in a layer on the floor of a high box.
 pub fn crowded_density(particles: &Particles, domain: &Domain) -> f64 {
     /// [-] ratio of the local density to the mean density above which the local density is used. In a gas without
-    /// clusters the two differ only by chance, and this difference must not change anything.
+    /// clusters the two differ only by chance, and this difference must not change the choice of methods.
     const CROWDED: f64 = 2.0;
     let diameter = 2.0 * particles.radius.iter().fold(0.0, |a: f64, &r| a.max(r));
     let mean = particles.len().max(1) as f64 / domain.volume();

@@ -134,8 +134,8 @@ impl ExactSum {
     }
 
     /// Returns the 64-bit words in which the sum is stored, for example to add the sums of several processes. The total
-    /// of up to 2^20 sums is exact if its word k is the sum of their words k. This holds also for terms that are not
-    /// finite.
+    /// of up to 2^20 sums is exact if its word k is computed as the sum of the words k of these sums. This holds also
+    /// for terms that are not finite.
     pub fn words(&mut self) -> &mut [i64; WORDS] {
         self.carry();
         // all words count as used, since the caller may change any of them

@@ -17,7 +17,7 @@ pub const BLOCK: usize = 128;
 /// bits of other numbers. The ratio must be at least `BLOCK` + 2.
 const ROOM: f64 = 256.0;
 /// [-] second σ over the first σ. Each σ is a large number that cuts off the lower bits of other numbers. The first σ
-/// leaves remainders of at most 2^-53 times its own value.
+/// leaves remainders of at most 2^-53 times this σ.
 const NEXT: f64 = ROOM * f64::EPSILON / 2.0;
 /// Range for the largest magnitude of the numbers in a block. Within this range nothing overflows and no bit is lost by
 /// underflow.

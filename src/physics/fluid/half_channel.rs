@@ -155,9 +155,9 @@ impl HalfChannel {
         self.nu_t[face - 1] + weight * (self.nu_t[face] - self.nu_t[face - 1])
     }
 
-    /// Integrates (1 + ν_t) dU/dy = 1 - y/h, with the eddy viscosity ν_t and the half height h, from the wall to the
-    /// centre, starting with the velocity `first` in the first cell. The discrete stress balance then holds at every
-    /// face, up to rounding.
+    /// Integrates (1 + ν_t) dU/dy = τ from the wall to the centre, starting with the velocity `first` in the first
+    /// cell. Here ν_t is the eddy viscosity, and τ the shear stress, which is 1 - y/h in a gas alone. The discrete
+    /// stress balance then holds at every face, up to rounding.
     pub fn integrate_momentum(&mut self, first: f64) {
         self.u[0] = first;
         for i in 1..self.u.len() {

@@ -25,7 +25,8 @@ pub(super) const SIGMA_EPSILON: f64 = 1.3;
 
 /// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: lower end of Dean's data (1978).
 const TURBULENT: f64 = 6000.0;
-/// [-] relative accuracy with which the required bulk velocity is reached, far below the 1e-4 that reports state.
+/// [-] relative accuracy with which the required bulk velocity is reached, far below the error of 1e-4 that is stated
+/// in reports.
 const BULK_TOLERANCE: f64 = 1e-10;
 /// [-] largest relative change of k and ε in a sweep (one update of both in all cells), below which the iteration ends.
 const SWEEP_TOLERANCE: f64 = 1e-11;

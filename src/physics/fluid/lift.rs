@@ -42,7 +42,7 @@ const SAFFMAN: f64 = 4.1126;
 const MEI_LIMIT: f64 = 40.0;
 
 /// [-] Reynolds number Re_r = Ω d²/ν of spin, with the angular velocity Ω of the gas relative to the sphere, up to
-/// which the torque is that of creeping flow, with the coefficient 64π/Re_r.
+/// which the torque coefficient is that of creeping flow, 64π/Re_r.
 const CREEPING_SPIN: f64 = 32.0;
 
 /// [-] numbers in the coefficient 12.9/√Re_r + 128.4/Re_r of the torque at larger Reynolds numbers Re_r of spin

@@ -115,7 +115,7 @@ pub struct LoadedFlow {
     alone_length: Vec<f64>,
     /// Constants by which Simonin's modulation computes the integral time of the gas velocity that particles see.
     langevin: Langevin,
-    /// [kg m/s] momentum of the gas along z at the start, and what it has gained since.
+    /// [kg m/s] momentum of the gas along z at the start, and its gains and losses since.
     pub balance: GasBalance,
 }
 
@@ -269,8 +269,8 @@ impl LoadedFlow {
         self.owed.iter_mut().zip(impulses).for_each(|(owed, impulse)| *owed += impulse);
     }
 
-    /// Advances the gas by `duration` [s]. `slices` contains the momentum that the gas has given to the particles in
-    /// this time. The implicit Euler scheme computes the velocity with k, ε and ν_t of the previous step.
+    /// Advances the gas by `duration` [s]. `slices` contains the sums over the particles of each slice for this time.
+    /// The implicit Euler scheme computes the velocity with k, ε and ν_t of the previous step.
     pub fn advance(&mut self, duration: f64, slices: &[SliceSums]) {
         let per_volume = |of: &dyn Fn(usize, &SliceSums) -> f64| -> Vec<f64> {
             slices.iter().enumerate().map(|(slice, sums)| of(slice, sums) / self.slice_volume(slice)).collect()

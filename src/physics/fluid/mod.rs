@@ -5,7 +5,7 @@
 //! (section 2.1 of the paper, see `docs/paper.md`), in a pipe on the distance from the axis.
 //!
 //! To add a profile, write one file with a function that returns a [`Profile`], and add a match arm in the code that
-//! converts a case to a scene.
+//! converts a case (input file) to a scene.
 
 mod buoyancy;
 mod fractions;

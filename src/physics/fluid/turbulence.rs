@@ -431,7 +431,7 @@ mod tests {
     }
 
     /// The weight exp(-r z), where z is the share of the time before the end, has its centre at 1/r - 1/(exp(r) - 1). A
-    /// constant weight has it at 1/2, and a weight at the end at 0.
+    /// constant weight has its centre at 1/2, and a weight at the end at 0.
     #[test]
     fn the_mean_has_the_centre_of_the_response() {
         for ratio in [1e-9_f64, 9e-4, 0.01, 1.0, 30.0] {

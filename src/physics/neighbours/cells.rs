@@ -330,8 +330,8 @@ fn below(x: f64) -> isize {
     whole - isize::from(whole as f64 > x)
 }
 
-/// Number, among the `n` cells along a periodic axis, of the cell that is the image of the cell `cell`, which is at
-/// most one period outside the box. The flag is true if `cell` is outside the box.
+/// Number, among the `n` cells along a periodic axis, of the cell that lies whole periods from `cell`. The cell `cell`
+/// is at most one period outside the box. The flag is true if `cell` is outside the box.
 #[inline]
 fn turned(cell: isize, n: isize) -> (isize, bool) {
     if cell < 0 {

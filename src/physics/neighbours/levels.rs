@@ -253,8 +253,8 @@ impl SizeLevels {
         }
     }
 
-    /// Part of the list of all items that is sorted level by level and, within a level, cell by cell: the indices of
-    /// the items at the positions `range`. The range must lie within one level.
+    /// Indices of the items at the positions `range` of the list [`order`](Self::order) of all items (level by level,
+    /// cell by cell). The range must lie within one level.
     #[inline]
     pub fn indices(&self, range: Range<usize>) -> &[u32] {
         let of = |level: &SizeLevel| level.first <= range.start && range.start < level.first + level.order.len();

@@ -169,8 +169,9 @@ impl NeighbourList {
 
     /// Builds the list for the present positions. The skin (gap up to which pairs are listed) is that of lowest
     /// computing cost for a list that is used once per `between_uses` [s] of simulated time. At the present speeds the
-    /// list lasts for at least one use. The particles are sorted into cell order. The returned list contains, for each
-    /// new index, the previous index of the particle.
+    /// list lasts for at least one use. Particles outside a periodic side are moved to their image inside the box, and
+    /// all particles are sorted cell by cell. The returned list contains, for each new index, the previous index of the
+    /// particle.
     pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
         self.build_in(&Region::from(&scene.domain), particles, scene, between_uses)
     }
@@ -231,8 +232,8 @@ impl NeighbourList {
         Self { pairs: Vec::new(), walls: Vec::new(), clock, first_pair, ..*self }
     }
 
-    /// Builds the list again from the positions at which it was last built. The stored distance that particles have
-    /// moved since then does not change. Returns the previous index of each particle.
+    /// Builds the list again. `particles` must be at the positions for which the list was last built. The stored
+    /// distance that particles have moved since then does not change. Returns the previous index of each particle.
     pub fn build_again(&mut self, particles: &mut Particles, scene: &Scene) -> Vec<u32> {
         let (travelled, builds) = (self.travelled, self.builds);
         let plan =
@@ -265,7 +266,7 @@ impl NeighbourList {
             pairs.shrink_to_fit();
             pairs
         };
-        // groups of rows are processed in turn, so that most pairs are in memory only once
+        // groups of rows are processed in turn, so that only the pairs of one group of rows are in memory twice
         self.pairs.clear();
         for rows in levels.rows().chunks(4 * ROWS * rayon::current_num_threads()) {
             let parts: Vec<Vec<Pair>> = work_sharing::map(rows.chunks(ROWS), find);

@@ -8,8 +8,8 @@
 //!
 //! **Unwrapped displacements.** The displacement of a particle is the sum of its displacements between samples, each to
 //! the nearest image. The nearest image is the right one if the particle has moved less than half a period between two
-//! samples. The speed of a particle must therefore not exceed a quarter of a period per interval between samples.
-//! Otherwise the displacements count as unknown, and the result has a remark.
+//! samples. The speed at a sample may change before the next sample. It must therefore not exceed a quarter of a period
+//! per interval between samples. Otherwise the displacements count as unknown, and the result has a remark.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::{Needs, Observer, plain_data};

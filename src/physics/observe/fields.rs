@@ -270,7 +270,7 @@ impl Observer for Fields {
                 FieldBlock { from: simulation.time, samples: 0, sums }
             }
         };
-        // in the order of ids, since the sums of a cell are plain sums
+        // in the order of ids, since the rounding of the plain sums of a cell depends on the order
         let mut by_id: Vec<u32> = (0..particles.len() as u32).collect();
         by_id.sort_unstable_by_key(|place| particles.id[*place as usize]);
         for place in by_id.into_iter().map(|place| place as usize) {

@@ -20,7 +20,8 @@ pub struct FlowAverages {
     /// [kg/s] mass of the particles that pass per time, averaged over the averaging period. `None` for fewer than two
     /// samples.
     pub mass_rate: Option<Estimate>,
-    /// [1/s] number of particles per time over the averaging period. `None` for fewer than two samples.
+    /// [1/s] number of particles that pass per time, averaged over the averaging period. `None` for fewer than two
+    /// samples.
     pub rate: Option<Estimate>,
     /// Sums over the particles that have passed this inlet or outlet in the whole run.
     pub totals: FlowTotals,

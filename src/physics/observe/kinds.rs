@@ -175,8 +175,8 @@ impl KindAverages {
 }
 
 impl MeetingAverages {
-    /// Impacts of one pair of kinds (species or walls) in several runs together. `first` supplies the names. An entry
-    /// of `runs` is `None` if the pair had no impact in that run.
+    /// Impacts of one pair of kinds (species or walls) in several runs together. `first` supplies the names and the
+    /// prescribed restitution. An entry of `runs` is `None` if the pair had no impact in that run.
     fn pool(first: &Self, runs: &[Option<&Self>]) -> Self {
         let met = || runs.iter().flatten();
         let count: u64 = met().map(|one| one.count).sum();

@@ -62,9 +62,9 @@ impl Mixing {
     }
 
     /// [-] share of the particles that are in the same layer at two instants, reduced by the share expected by chance.
-    /// The instants are the first stored one at or after `from` [s], and the end of the run. The value is 1 for a bed
-    /// at rest and 0 for a gas that mixes. `None` if there are too few layers or particles, or if the share expected by
-    /// chance is 75 % or more.
+    /// The instants are the first stored one at or after `from` [s] (if none is left before the end, the latest stored
+    /// one), and the end of the run. The value is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are
+    /// too few layers or particles, or if the share expected by chance is 75 % or more.
     pub fn remembered(&self, from: f64) -> Option<f64> {
         let last = self.marks.last()?;
         let mut before = self.marks.iter().filter(|mark| mark.time < last.time);

@@ -86,8 +86,8 @@ impl Motion {
     }
 
     /// Start of averaging, which is given or detected, and the result of the test for a steady state from this start
-    /// on. The test covers all quantities that are compared between steady runs: velocity, temperature, positions and
-    /// impact rates. `more` contains further quantities, measured by other observers at the same samples.
+    /// on. The test covers agitation, velocity, temperature, positions, number of particles and impact rates. `more`
+    /// contains further quantities, measured by other observers at the same samples.
     pub fn steadiness(&self, asked: AverageFrom, more: Vec<Followed>) -> Steadiness {
         let from = match asked {
             AverageFrom::Time(from) => Some(from),

@@ -208,8 +208,8 @@ pub struct SecondMoments {
     /// [m/s] velocity (u, v, w) that is subtracted from all velocities: mean velocity of the particles at the first
     /// call.
     reference: Vector3<f64>,
-    /// [m/s] velocities (u, v, w) of the particles at the start of the next window (time between two exchanges with the
-    /// gas), indexed by the ids of the particles.
+    /// [m/s] velocities (u, v, w) of the particles, relative to `reference`, at the start of the next window (time
+    /// between two exchanges with the gas). They are indexed by the ids of the particles.
     given: Vec<Vector3<f64>>,
     walls: [f64; 3],
     parts: Vec<MomentBlock>,
@@ -399,8 +399,9 @@ impl Observer for SecondMoments {
                 .map(|fluid| drag(fluid, &sphere(&spheres[species]), &particles.position[place], velocity));
             let push = components(&push.unwrap_or_default());
             let velocity = components(velocity) - reference;
-            // velocities half a step of drag later and earlier; their error is of the order of the splitting error of
-            // the time step
+            // The drag of half a window is added for the velocity at the start of the next window, and subtracted for
+            // the velocity after the impacts of this window. The error is of the order of the splitting error of the
+            // time step
             let before =
                 std::mem::replace(&mut given[particles.id[place] as usize], velocity + push * half) + falls[species];
             let slice = ((y / height * count as f64) as usize).min(count - 1);

@@ -1,6 +1,7 @@
 //! Gas velocity that the particles see in scenes with `[fluid.turbulence]`: its fluctuation **u** in slices of y. If
-//! the mean of a component of **u** perpendicular to the flow is not zero, the gas that particles see drifts. A
-//! component of **u** has the mean square 2k/3 of the gas if particles sample the turbulence evenly.
+//! the mean of a component of **u** perpendicular to the flow is not zero, the gas that particles see drifts. If
+//! particles sample the turbulence evenly, a component of **u** has the mean square 2k/3 of the gas, with its turbulent
+//! kinetic energy k.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedQuantity};
 use super::{Needs, Observer, plain_data};

@@ -42,8 +42,8 @@ pub struct StructureFactor {
 }
 
 /// Wave vectors [1/m] of each of `bins` bins of equal width up to the wave number `largest` [1/m]. Vectors k and -k
-/// have the same S, so the list contains one of them. If a bin has many vectors, only some of them, evenly spread over
-/// its list, are used.
+/// have the same S, so the list contains one of them. If a bin has more than `MOST_VECTORS` vectors, this number of
+/// vectors, evenly spread over its list, is used.
 fn wave_vectors(domain: &Domain, largest: f64, bins: usize) -> Vec<Vec<Vector3<f64>>> {
     let unit = domain.size.map(|edge| 2.0 * PI / edge);
     let most = unit.map(|unit| (largest / unit).floor() as i32);

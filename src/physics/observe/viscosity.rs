@@ -170,9 +170,9 @@ fn temperature(experiment: &Experiment, samples: &[ViscositySample]) -> Option<f
     Some(thermal_energy(experiment, samples) / species.mass()).filter(|found| found.is_finite())
 }
 
-/// Viscosity [Pa s] by kinetic theory at the granular temperature `temperature` [m²/s²], with the name of the theory.
-/// `None` unless the spheres are equal and smooth and have a constant restitution. `None` also for collisions by chance
-/// (DSMC).
+/// Name of a kinetic theory, and the viscosity [Pa s] that it predicts at the granular temperature `temperature`
+/// [m²/s²]. `None` unless the spheres are equal and smooth and have a constant restitution. `None` also for heated
+/// particles, in an orbit, and for collisions by chance (DSMC).
 fn theory(experiment: &Experiment, temperature: f64) -> Option<(&'static str, f64)> {
     let scene = &experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return None };

@@ -59,8 +59,8 @@ pub trait Column {
         }
     }
 
-    /// Appends the values at `indices` of the same column of another store. `count` is the number of
-    /// particles in this store before the call.
+    /// Appends the values at `indices` of the same column of another store, or zeros if that store lacks it. `count` is
+    /// the number of particles in this store before the call.
     fn copy_from(&mut self, other: &Self, indices: &[u32], count: usize) {
         self.adopt(other.values().is_some(), count);
         let Some(own) = self.values_mut() else { return };
@@ -90,9 +90,9 @@ pub trait Column {
         }
     }
 
-    /// Appends `count` values that [`pack`](Self::pack) has written at the beginning of `bytes`. Returns the remaining
-    /// bytes, or `None` if `bytes` cannot be a result of `pack`. `before` is the number of particles in this store
-    /// before the call.
+    /// Appends `count` values that [`pack`](Self::pack) has written at the beginning of `bytes`; zeros if it wrote
+    /// none. Returns the remaining bytes, or `None` if `bytes` cannot be a result of `pack`. `before` is the number of
+    /// particles in this store before the call.
     fn unpack<'a>(&mut self, bytes: &'a [u8], count: usize, before: usize) -> Option<&'a [u8]> {
         let (is_there, rest) = bytes.split_first()?;
         if *is_there > 1 || (*is_there == 0 && !Self::IS_OPTIONAL) {

@@ -22,7 +22,7 @@ use values::{AsBytes, AsNumbers};
 pub const CHUNK: usize = 8192;
 
 columns! {
-    /// Moving state of one particle: the quantities that steps, collisions and other events change.
+    /// Moving state of one particle: position, velocity and spin, which steps, collisions and other events change.
     pub struct Motion;
 
     /// Mutable access to the moving state of consecutive particles of a store: one slice per quantity, such as position
@@ -30,8 +30,8 @@ columns! {
     pub struct MotionChunk;
 
     /// Particle store: spheres as a struct of arrays. All arrays have the same length, with one entry per sphere.
-    /// Engines may reorder the store for speed. The `id` of a particle stays: ids are 0 to N - 1 in the order of the
-    /// initial state. Particles that come in through inlets get larger ids.
+    /// Engines may reorder the store for speed. The `id` of a particle stays: ids are 0 to N - 1 for the N particles of
+    /// the initial state, in its order. Particles that come in through inlets get larger ids.
     ///
     /// ```
     /// # extern crate diptych_physics as diptych;
@@ -135,7 +135,7 @@ impl Particles {
         self.reorder(&order);
     }
 
-    /// Checksum of the state: FNV-1a over the bits of all moving quantities, in the order of ids.
+    /// Checksum of the state: FNV-1a over the bits of all positions, velocities and spins, in the order of ids.
     pub fn fingerprint(&self) -> u64 {
         fingerprint_of(self, None)
     }

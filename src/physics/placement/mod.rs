@@ -36,7 +36,7 @@ const ROUNDS: usize = 5000;
 /// at a volume fraction of 0.3, fewer than one in 10⁴ spheres still overlap a larger sphere.
 const ROUNDS_OF_INSERTION: usize = 8;
 
-/// Number of pairs in the neighbour list that count as much effort as one particle in a round over all overlaps. A
+/// Number of pairs in the neighbour list that count, in a round over all overlaps, as much effort as one particle. A
 /// dense start has about this number of pairs per particle.
 const PER_PARTICLE: u64 = 32;
 
@@ -270,7 +270,7 @@ struct There<'a> {
 
 /// Finds overlapping pairs in which at least one particle may move, and sorts the particles. Returns the indices of
 /// both particles of each pair. Also returns the number of overlaps, with particles and walls, that are deeper than
-/// half the enlargement of the radii by [`MARGIN`].
+/// half the enlargement of the radii by [`MARGIN`]. Free particles outside the walls of their region count too.
 fn look_for_overlaps(
     particles: &mut Particles,
     list: &mut NeighbourList,

@@ -57,7 +57,7 @@ pub fn push_placed_apart(particles: &mut Particles, scene: &Scene) -> Result<Mov
 }
 
 /// Moves the free particles (those for whose id `is_free` is true) until nothing overlaps. Their velocities must be
-/// zero. Returns the number of remaining overlaps.
+/// zero. Returns the number of remaining overlaps deeper than half of the enlargement of the radii by [`MARGIN`].
 ///
 /// The method is FIRE (Bitzek et al. 2006, Phys. Rev. Lett. 97, 170201, with its constants). It solves Newton's
 /// equations for spheres with the same mass and repelling springs of the same stiffness, and turns the velocities

@@ -146,8 +146,8 @@ impl FreeRoom {
         self.inside.is_empty() || self.inside.iter().any(holds)
     }
 
-    /// Returns a random position at which a sphere of `radius` [m] touches no wall. If none is found within the effort,
-    /// the last position tried is returned.
+    /// Returns a random position in the region at which a sphere of `radius` [m] touches no wall. If `ROUNDS` trials or
+    /// the effort end before one is found, the last position tried is returned.
     pub fn somewhere(&self, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
         let mut place = Vector3::zeros();
         for _ in 0..ROUNDS {
@@ -181,8 +181,9 @@ impl FreeRoom {
         self.gap(place, radius) > 0.0 && self.holds(place)
     }
 
-    /// [m³] volume that walls leave free in the box in which random positions are chosen. It is measured with points
-    /// that fill the box evenly. Coordinate k (1 to 3) of point n, divided by the edge, is the fractional part of 1/2 +
+    /// [m³] volume that walls leave free in the box in which random positions are chosen, within the region. Without a
+    /// region it is exact if all walls are planes perpendicular to the axes. Otherwise it is measured with points that
+    /// fill the box evenly. Coordinate k (1 to 3) of point n, divided by the edge, is the fractional part of 1/2 +
     /// n/ρ^k. Here ρ = 1.2207... is the root of ρ⁴ = ρ + 1 (Roberts 2018, "The unreasonable effectiveness of
     /// quasirandom sequences").
     pub fn volume(&self) -> f64 {

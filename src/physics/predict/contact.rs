@@ -12,8 +12,9 @@ use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// [-] largest allowed displacement of a particle in one time step, over its diameter, CFL_p^col: the lowest value in
-/// the paper (Table 1, cases B and E).
+/// [-] largest allowed change of the distance of two colliding particles in one time step, over the diameter,
+/// CFL_p^col: the lowest value in the paper (Table 1, cases B and E). It applies at the normal speed that 99 % of the
+/// impacts do not exceed.
 const CFL_COLLISION: f64 = 0.01;
 
 /// [-] largest allowed displacement of a particle in one time step, over the cell size of the grid of the gas, CFL_p:
@@ -30,7 +31,7 @@ pub struct ContactKind {
     /// Properties of the two bodies on which a contact law depends.
     #[serde(flatten)]
     pub bodies: Bodies,
-    /// [m] diameter of the smaller body, by which overlaps are divided.
+    /// [m] diameter of the smaller particle (at a wall, of the particle), by which overlaps are divided.
     pub diameter: f64,
     /// Distribution of the normal speeds of impact.
     pub speeds: ImpactSpeeds,
@@ -343,7 +344,8 @@ pub fn fastest_impact(experiment: &Experiment) -> f64 {
 /// depends on the speed at this value. The value is the root of the sum of the squares of three speeds:
 ///
 /// * the mean speed of impact in a gas with the velocity fluctuation σ of the start, sqrt(π) σ. For particles with
-///   listed velocities it is the largest speed. The speeds of moving walls and of the shear over a diameter are added;
+///   listed velocities it is the largest speed, without the common motion along walls. The speeds of moving walls and
+///   of the shear over a diameter are added;
 /// * the speed after a fall through half of the box;
 /// * the mean speed of impact at the agitation that a channel flow maintains.
 pub fn usual_impact(scene: &Scene, start: &[Population]) -> f64 {
@@ -359,7 +361,7 @@ pub fn usual_impact(scene: &Scene, start: &[Population]) -> f64 {
     if speed > 0.0 { speed } else { AT_REST }
 }
 
-/// [m²/s²] square of the speed after a fall from rest through half of the box, along the axes that are not periodic.
+/// [m²/s²] square of the speed after a fall from rest through half of the box. Only axes that are not periodic count.
 fn fall(scene: &Scene) -> f64 {
     let axes = (0..3).filter(|axis| !scene.domain.periodic[*axis]);
     axes.map(|axis| scene.gravity[axis].abs() * scene.domain.size[axis]).sum()

@@ -60,8 +60,8 @@ pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
         scene.rotation.is_some(),
     )];
     if let Some(friction) = scene.rotation.as_ref().and_then(|rotation| rotation.rolling?.friction()) {
-        // at a wall a torque μ_r r J_n changes the spin by μ_r r (1+e) m u_n/(2/5 m r²); soft contacts resist rolling
-        // only after they have lasted longer than an impact
+        // at a wall the time integral of the rolling torque, μ_r r J_n with the normal impulse J_n, changes the spin by
+        // μ_r r (1+e) m u_n/(2/5 m r²). Soft contacts resist rolling only after they have lasted longer than an impact
         let restitution = surfaces.iter().map(|surface| surface.restitution).fold(0.0, f64::max);
         let measure = "surface speed that a constant rolling torque would change in an impact at a wall, over the normal speed, (5/2) μ_r (1+e)";
         let number = Some(2.5 * friction * (1.0 + restitution));

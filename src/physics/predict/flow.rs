@@ -94,8 +94,8 @@ pub fn flow(
 /// [m²/s²] variance of a velocity component that the turbulence of a flow would cause in particles with the response
 /// time `response` [s], averaged over the cross-section.
 fn unseen_variance(flow: &ChannelFlow, response: f64) -> f64 {
-    // mean over the cross-section, over which particles are spread, with trapezoids between nodes; rings of a pipe
-    // are narrower towards the axis
+    // mean over the cross-section, for particles that are spread evenly over it, with trapezoids between nodes; rings
+    // of a pipe are narrower towards the axis
     let nodes = &flow.nodes;
     // velocities of eddies have the correlation exp(-t/T_L); a particle with a linear response of time τ then
     // has the fraction T_L/(T_L + τ) of their variance

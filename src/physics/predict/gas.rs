@@ -137,11 +137,11 @@ fn normalise(parts: &mut [[f64; 2]]) -> f64 {
 /// Predicts collision rates and mean free path by kinetic theory, for the given components in the box of the scene.
 ///
 /// The rate of pair collisions per volume is n_i n_j σ² g sqrt(8π (T_i + T_j)) for different components i and j. Here n
-/// is the number density, σ the collision distance and g the contact value. The rate within one component of N
-/// particles is half of this expression times 1 - 1/N. Flat walls keep centres half a diameter away. Within a distance
-/// σ of a wall, a quarter of the collision directions is impossible on average. The density is otherwise taken as
-/// uniform, unless `spread` was measured. The rate of wall impacts per area is n Z sqrt(T/2π), with Z = 1 + 4 φ g (the
-/// contact theorem).
+/// is the number density, σ the collision distance, g the contact value and T the granular temperature. The rate within
+/// one component of N particles is half of this expression times 1 - 1/N. Flat walls keep centres half a diameter away.
+/// Within a distance σ of a wall, a quarter of the collision directions is impossible on average. The density is
+/// otherwise taken as uniform, unless `spread` was measured. The rate of wall impacts per area is n Z sqrt(T/2π), with
+/// Z = 1 + 4 φ g and the volume fraction φ (the contact theorem).
 pub fn gas(scene: &Scene, components: &[Component], spread: &AgitationSpread) -> Gas {
     let volume = scene.domain.volume();
     let total: f64 = components.iter().map(|c| c.count as f64).sum();
@@ -307,8 +307,9 @@ mod tests {
         }
     }
 
-    /// Compares the predicted collision rate, as Γ σ/sqrt(T), with values tabulated independently: Enskog's theory with
-    /// the contact value of Carnahan and Starling.
+    /// Compares the predicted collision rate Γ of a particle, as Γ σ/sqrt(T) with the diameter σ and the granular
+    /// temperature T, with values tabulated independently. The values are those of Enskog's theory with the contact
+    /// value of Carnahan and Starling.
     #[test]
     fn collision_rates() {
         for (fraction, rate) in
@@ -324,9 +325,10 @@ mod tests {
         }
     }
 
-    /// Compares collision rates with event-driven runs of another code in a slit 12 diameters wide. The pair rates are
-    /// 0.996 and 2.365, and the wall pressures 0.1633 and 0.4262 (both walls, P = 2 m u n u per impact). The tolerance
-    /// allows for an error of 1 % of the runs, and for a density that is not uniform.
+    /// Compares collision rates with event-driven runs of another code in a slit 12 diameters wide. With 200 and 400
+    /// spheres, the collision rates of a particle are 0.996 and 2.365. The pressures, as momentum of the impacts on
+    /// both walls per time and area, are 0.1633 and 0.4262. The tolerance allows for an error of 1 % of the runs, and
+    /// for a density that is not uniform.
     #[test]
     fn a_slit() {
         for (count, rate, pressure) in [(200, 0.996, 0.1633), (400, 2.365, 0.4262)] {

@@ -1,10 +1,10 @@
 //! Accuracy with which time steps of the soft engine resolve a contact.
 //!
-//! A time step maps overlap and approach speed (x, v) of a contact to their values after Δt. In the units of a contact
-//! law (mass and elastic constant 1, see [`unit_spring`]) this map depends only on the restitution and the number of
-//! steps per contact N_c. Therefore the results of this file do not depend on the size of the particles. They depend on
-//! the speed of impact only through N_c. The motion is along the normal only. In an oblique impact the normal also
-//! turns during the contact, by about the overlap over the diameter.
+//! A time step maps the gap x of a contact (negative for an overlap) and its time derivative v to their values after
+//! Δt. In the units of a contact law (mass and elastic constant 1, see [`unit_spring`]) this map depends only on the
+//! restitution and the number of steps per contact N_c. Therefore the results of this file do not depend on the size of
+//! the particles. They depend on the speed of impact only through N_c. The motion is along the normal only. In an
+//! oblique impact the normal also turns during the contact, by about the overlap over the diameter.
 
 use crate::contact_law::{ContactLaw, Spring, damping_ratio};
 use crate::experiment::{Integrator, SoftStepping};
@@ -309,7 +309,7 @@ mod tests {
     }
 
     /// Checks the growth by Heun's method. The amplitude of an undamped spring grows by the factor (1 + θ⁴/4)^½ per
-    /// step. After half a period the growth is this factor to the power π/θ.
+    /// step, with θ = ω_0 Δt. After half a period the growth is this factor to the power π/θ.
     #[test]
     fn growth_of_heun_without_damping() {
         let step = PI / 7.7;
@@ -351,7 +351,7 @@ mod tests {
                 "{scheme:?} {e} {steps}: {found:?}"
             );
         }
-        // a one-sided force: strongly damped contacts
+        // strongly damped contacts, in which the force is zero while the gap is positive
         assert!((of(ON_GRID_HEUN, 0.1, 10.0).mean - 0.091).abs() < 0.01);
         assert!((of(ON_GRID_VERLET, 0.1, 10.0).mean - 0.0596).abs() < 0.01);
     }
@@ -374,14 +374,14 @@ mod tests {
     }
 
     /// Checks the order of the error with exact instants. The error is of fourth order in the step, as the integrator
-    /// is, and of fifth order without damping. Without damping, a step reduces the amplitude by the fraction θ⁶/144,
-    /// and a contact has π/θ steps.
+    /// is, and of fifth order without damping. Without damping, a step with θ = ω_0 Δt reduces the amplitude by the
+    /// fraction θ⁶/144, and a contact has π/θ steps.
     #[test]
     fn local_stepping_converges_with_its_order() {
         let miss = |e: f64, steps: f64| (of(LOCAL, e, steps).mean - e).abs();
         for (e, ratio) in [(1.0, 32.0), (0.5, 16.0)] {
             let found = miss(e, 20.0) / miss(e, 40.0);
-            // the next order in the step is subtracted
+            // the tolerance allows for the next order in the step
             assert!((found / ratio - 1.0).abs() < 0.15, "{e}: {found}");
         }
         assert!((miss(1.0, 20.0) / ((PI / 20.0).powi(5) * PI / 144.0) - 1.0).abs() < 0.02);

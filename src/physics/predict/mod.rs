@@ -136,7 +136,7 @@ pub struct RunPrediction {
     pub static_overlap: Option<f64>,
     /// True if particles overlap each other or a wall at the start.
     pub starts_overlapping: bool,
-    /// True if the start has rows of particles that touch or nearly touch.
+    /// True if the start has rows of particles whose gaps are less than twice the overlap of an impact.
     pub in_a_row: bool,
     /// Number of particles that lie on a wall or on other particles at the start.
     pub lying: usize,

@@ -17,7 +17,7 @@ pub struct Obstacles {
     pub rest: Option<Rest>,
     /// True if particles overlap each other or a wall at the start.
     pub overlapping: bool,
-    /// True if the start has rows of particles that touch or nearly touch.
+    /// True if the start has rows of particles whose gaps are less than twice the overlap of an impact.
     pub in_a_row: bool,
     /// Number of particles that lie on a wall or on other particles at the start.
     pub lying: usize,
@@ -125,7 +125,8 @@ pub fn bodies(experiment: &Experiment, start: &Particles, fall: f64) -> Vec<Cont
 }
 
 /// [m/s] upper limit of the relative speed of any two particles, followed by the largest speed of any particle.
-/// Particles from an inlet have at most three standard deviations of each velocity component.
+/// Velocity components of particles from an inlet are taken to deviate from their means by at most three standard
+/// deviations.
 fn speeds(particles: &Particles, inlets: &[Inlet]) -> (f64, f64) {
     /// Largest number of particles for which the relative velocities of all pairs are computed.
     const ALL_PAIRS: usize = 2000;

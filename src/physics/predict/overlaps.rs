@@ -1,11 +1,11 @@
 //! Distribution of the overlaps of contacts in a Maxwellian gas.
 //!
 //! Impacts have normal speeds u with the density u/s² exp(-u²/(2s²)). Here s² is 2T between equal spheres and T at a
-//! wall. The largest overlap of an impact is proportional to a power of its speed. For a linear spring it is
-//! proportional to the speed itself (Eq. 10 of the paper, see `docs/paper.md`), so overlaps have a Rayleigh
-//! distribution as the speeds have. If an engine tests for contacts only every Δt, it first detects a contact at a
-//! random phase of its steps. The overlap is then u times a time that is uniformly distributed between 0 and Δt, for
-//! every contact law.
+//! wall, with the granular temperature T. The largest overlap of an impact is proportional to a power of its speed. For
+//! a linear spring it is proportional to the speed itself (Eq. 10 of the paper, see `docs/paper.md`), so overlaps have
+//! a Rayleigh distribution as the speeds have. If an engine tests for contacts only every Δt, it first detects a
+//! contact at a random phase of its steps. The overlap is then u times a time that is uniformly distributed between 0
+//! and Δt, for every contact law.
 
 use super::contact::{ContactKind, ImpactSpeeds};
 use crate::contact_law::ContactLaw;

@@ -19,7 +19,7 @@ pub(super) fn is_pulled(scene: &Scene) -> bool {
     (0u16..).zip(&scene.species).any(|(index, species)| pulls(scene, index, species))
 }
 
-/// True if gravity keeps the particles of one species moving, given by its index and its properties.
+/// True if gravity keeps the particles of one species moving. The species is given by its index and its properties.
 fn pulls(scene: &Scene, index: u16, species: &Species) -> bool {
     let weight = scene.gravity_of(species);
     let is_free = |axis: usize| scene.domain.periodic[axis] || !scene.outlets.is_empty();
@@ -43,7 +43,7 @@ fn hold(scene: &Scene, species: u16, floor: u32) -> f64 {
     let meeting = scene.meeting(species, Kind::Wall(floor));
     let of_law = |rotation: &Rotation| rotation.rolling.and_then(|law| law.friction());
     let rolling = scene.rotation.as_ref().map(|rotation| {
-        // the friction of a wall or pair is a coefficient of the law
+        // a wall or a pair can have its own coefficient of rolling friction in place of that of the law
         of_law(rotation).map_or(0.0, |friction| meeting.resistance.rolling.unwrap_or(friction))
     });
     rolling.map_or(meeting.surface.friction, |rolling| rolling.min(meeting.surface.friction))

@@ -25,10 +25,10 @@ const DEEPEST: f64 = 0.05;
 const STEPS: [f64; 6] = [15.0, 20.0, 30.0, 50.0, 100.0, 200.0];
 
 /// [-] mean fraction of the time that a particle is in contact, above which local stepping takes more computing time
-/// than uniform stepping. Costs of local over uniform stepping were measured with `diptych plan cases/dense-gas.toml`
-/// at lower stiffnesses (medians of four on a busy machine). They were 0.9 at the fraction of time 0.04, 1.0 at 0.06
-/// and 1.6 at 0.12. With a volume fraction of 0.4 they were 0.7 at the fraction of time 0.02, 0.8 at 0.04 and 5.7 at
-/// 0.12.
+/// than uniform stepping. Ratios of the computing time of local stepping to that of uniform stepping were measured with
+/// `diptych plan cases/dense-gas.toml` at lower stiffnesses (medians of four runs on a busy machine). They were 0.9 at
+/// the fraction of time 0.04, 1.0 at 0.06 and 1.6 at 0.12. With a volume fraction of 0.4 they were 0.7 at the fraction
+/// of time 0.02, 0.8 at 0.04 and 5.7 at 0.12.
 const CROWDED: f64 = 0.06;
 
 /// [-] cost per particle of a search for particles that may touch in a window (time between two exchanges with the

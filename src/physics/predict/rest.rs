@@ -62,9 +62,9 @@ struct Falling {
 }
 
 /// Finds the floor of a scene: the flat wall against which weight and buoyancy press a species most strongly. `None` if
-/// there is no such wall, if the gas lifts the particles, if a wall moves or is thermal, or with a thermostat. `lift`
-/// [m/s] is the component of the gas velocity against gravity, minus the terminal slip speed, at which drag balances
-/// the weight.
+/// there is no such wall, if no particle falls to it, if the gas lifts the particles, if a wall moves or is thermal, or
+/// with a thermostat. `lift` [m/s] is the component of the gas velocity against gravity, minus the terminal slip speed,
+/// at which drag balances the weight.
 ///
 /// The time until rest is that of a sphere dropped from the height h. Without drag, its fall and all bounces together
 /// last (1+e)/(1-e) sqrt(2h/g) with the restitution e (a geometric series). If e depends on the speed, the bounces are

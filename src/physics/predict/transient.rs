@@ -44,10 +44,10 @@ pub struct Loss {
 /// temperature at the start.
 ///
 /// An impact of a pair removes (1-e²)/4 m u_n², with the restitution e and the normal speed u_n, where the mean of u_n²
-/// over impacts is 4 T (weighted by flux). So N (3/2) m dT/dt = -(1-e²) m T Ṅ, with Ṅ the number of impacts per time.
-/// An impact on a wall removes (1-e²)/2 m u_n², where the mean of u_n² is 2 T, so the loss per impact is the same.
-/// Impact rates are proportional to sqrt(T): Haff 1983, J. Fluid Mech. 134, 401. Drag removes the fraction 2/τ of T per
-/// time. Friction, which makes the decay faster, is neglected.
+/// over impacts is 4 T (weighted by flux). So N (3/2) m dT/dt = -(1-e²) m T Ṅ for N particles, with Ṅ the number of
+/// impacts per time. An impact on a wall removes (1-e²)/2 m u_n², where the mean of u_n² is 2 T, so the loss per impact
+/// is the same. Impact rates are proportional to sqrt(T): Haff 1983, J. Fluid Mech. 134, 401. Drag with the response
+/// time τ removes the fraction 2/τ of T per time. Friction, which makes the decay faster, is neglected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Decay {
     /// [1/s] relative rate 1/τ at which drag reduces the root of the granular temperature T, with the response time τ.
@@ -102,9 +102,10 @@ fn mean(numbers: impl Iterator<Item = [f64; 2]>) -> f64 {
     if weights > 0.0 { sum / weights } else { 0.0 }
 }
 
-/// Makes predictions for a scene without a steady state. `None` if something keeps the particles moving, if no energy
-/// is lost, or for a few bodies. `at_start` is the granular temperature T [m²/s²] at the start, and `of_the_rates` the
-/// T to which the collision rates in `gas` belong. `target` [-] is the desired relative error.
+/// Makes predictions for a scene without a steady state. `None` if something keeps the particles moving, or if no
+/// energy is lost. Without a floor, a fall of several species or sizes through a gas also keeps them moving. `at_start`
+/// is the granular temperature T [m²/s²] at the start, and `of_the_rates` the T to which the collision rates in `gas`
+/// belong. `target` [-] is the desired relative error.
 pub fn transient(
     experiment: &Experiment,
     gas: &Gas,

@@ -58,7 +58,7 @@ impl SlipChange {
 /// Sums over the impacts of bodies that rotate, in which surfaces slip (move tangentially against each other).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Slips {
-    /// Number of impacts between bodies that rotate.
+    /// Number of impacts of bodies that rotate, with one another or with walls.
     pub count: u64,
     /// Number of impacts in which the surfaces slide during the whole impact.
     pub sliding: u64,

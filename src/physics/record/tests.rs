@@ -61,7 +61,8 @@ fn a_record_does_not_depend_on_the_order_of_impacts_nor_on_who_counted_them() {
         assert_eq!(merged.kinds.totals(), whole.kinds.totals());
         assert_eq!(*merged.ledger, *whole.ledger);
     }
-    // impacts after the first half equal those of the second half alone, except for the width of bins
+    // the impacts since the end of the first half equal those of a record of the second half alone, except for the
+    // width of bins
     let half = record(&all[..4500], 100);
     let late = record(&all[4500..], 100).pairs;
     let since = whole.pairs.since(&half.pairs);

@@ -1,7 +1,8 @@
 //! Restitution that depends on the speed of the impact.
 //!
 //! Every law gives e as a function of the normal speed u of approach. A law contains no masses: its constants are valid
-//! for the two kinds of bodies for which a case gives them, like a constant restitution.
+//! for the two kinds of bodies for which a case (input file) gives them. A constant restitution is given in the same
+//! way.
 
 mod viscoelastic;
 
@@ -60,7 +61,8 @@ pub enum RestitutionBySpeed {
 }
 
 impl RestitutionBySpeed {
-    /// Restitution of viscoelastic spheres that is `restitution` [-], 0 < e_1 <= 1, at the normal speed `speed` [m/s].
+    /// Restitution of viscoelastic spheres that is e_1 = `restitution` [-], 0 < e_1 <= 1, at the normal speed `speed`
+    /// [m/s].
     pub fn viscoelastic(restitution: f64, speed: f64) -> Self {
         let damping = damping_for(restitution) / speed.powf(0.2); // β ∝ u^(1/5), Ramírez et al. 1999
         Self::Viscoelastic { restitution, speed, damping }

@@ -1,10 +1,10 @@
 //! Impact of two viscoelastic spheres as a function of one number, the damping number β.
 //!
-//! In units of the mass M, the speed of approach u and Hertz's constant k, the overlap x obeys x'' = -x^(3/2) - β
-//! sqrt(x) x' with the damping number β. At touch x = 0 and x' = 1. The impact ends when x = 0 again. With w = sqrt(x),
-//! p = x' and the integration variable σ, defined by dt = 2 w dσ, the equations are polynomials: dw/dσ = p, dp/dσ = -2
-//! w² (w² + β p). So the classical Runge-Kutta method keeps its order at touch and at the end, where sqrt(x) in the
-//! force would otherwise reduce it.
+//! The units are the effective mass M, the speed of approach u and Hertz's constant k. The overlap x then obeys x'' =
+//! -x^(3/2) - β sqrt(x) x' with the damping number β. At touch x = 0 and x' = 1. The impact ends when x = 0 again. With
+//! w = sqrt(x), p = x' and the integration variable σ, defined by dt = 2 w dσ, the equations are polynomials: dw/dσ =
+//! p, dp/dσ = -2 w² (w² + β p). So the classical Runge-Kutta method keeps its order at touch and at the end, where
+//! sqrt(x) in the force would otherwise reduce it.
 
 use std::sync::LazyLock;
 
@@ -148,7 +148,7 @@ pub fn damping_for(restitution: f64) -> f64 {
     if restitution >= 1.0 {
         return 0.0;
     }
-    // as many halvings as a number has bits
+    // more halvings than the fraction of a floating-point number has bits
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if viscoelastic_impact(middle).restitution > restitution { low = middle } else { high = middle }
@@ -160,8 +160,8 @@ pub fn damping_for(restitution: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// C1 = 1.15344 of Ramírez et al. (1999), with more digits: 4/5 (5/4)^(3/5) B(3/5, 3/2), the work of the viscous
-    /// force along the undamped impact.
+    /// C1 = 1.15344 of Ramírez et al. (1999), with more digits: 4/5 (5/4)^(3/5) B(3/5, 3/2) with the beta function B.
+    /// It is the work of the viscous force along the undamped impact.
     const FIRST: f64 = 1.153_448_858;
 
     /// Compares with the series for small damping. The test uses the terms up to β². The error is then the next term,

@@ -113,8 +113,8 @@ impl std::fmt::Display for ImpactRule {
 }
 
 impl Serialize for ImpactRule {
-    /// Serializes the rule as in a case. The rule of stiff soft spheres is a word, since it has no parameters beyond
-    /// those of the tangential law.
+    /// Serializes the rule as in a case. The rule of stiff soft spheres is written as one word, since it has no
+    /// parameters beyond those of the tangential law.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Walton { tangential_restitution } => {

@@ -2,8 +2,8 @@
 //!
 //! Conventions (docs/rotation.md):
 //! * The normal n points from the other body to particle i.
-//! * The slip is s = u_t - (l_i ω_i + l_j ω_j) × n, with the lever arms l, the spins ω, and the tangential part u_t of
-//!   the relative velocity of the centres.
+//! * The slip is s = u_t - (l_i ω_i + l_j ω_j) × n, with the lever arms l (from the centres to the contact point) and
+//!   the spins ω. u_t is the tangential part of the relative velocity of the centres.
 //! * The tangential force on particle i is -F, and the torque on each particle is l n × F.
 //!
 //! This module has only parameters and formulas. The engines apply them.
@@ -37,7 +37,8 @@ pub const THIN_SHELL: f64 = 2.0 / 3.0;
 pub struct Rotation {
     /// Law of the tangential force in soft contacts (soft and hybrid models).
     pub tangential: TangentialLaw,
-    /// Rule of the tangential impulse in instantaneous impacts (hard, hybrid and DSMC models).
+    /// Rule of the tangential impulse in instantaneous impacts. They occur in hard and hybrid models, and in DSMC
+    /// (direct simulation Monte Carlo, which draws collisions at random).
     pub impact: ImpactRule,
     /// Law of rolling resistance in soft contacts; `None`: no rolling resistance.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -2,13 +2,14 @@
 //! and Fawcett (1976, Wear 38, 101). A spring model has one tangential force per contact. In this model the traction
 //! (tangential force per area) depends on the distance r from the centre of the contact circle.
 //!
-//! The normal motion is Hertz's. The contact circle is divided into rings, and time into as many steps per half of the
-//! contact, so that the edge of the contact is always the edge of a ring. The traction is a sum of the distributions q
-//! sqrt(1 - r²/c²), one for the outer radius c of each ring. The tangential displacement by one distribution is
-//! averaged around the ring at r. A pressure with the same distribution gives a normal displacement. The mean
-//! tangential displacement is this displacement times the ratio of the tangential to the normal compliance (Johnson
-//! 1985, Contact Mechanics, Eqs. 3.42 and 3.91), since the mean of cos² over all directions is 1/2. A ring that sticks
-//! is displaced by as much as the bodies. In a ring that slides, the traction is the friction μ times the pressure.
+//! The normal motion is Hertz's. The contact circle is divided into rings, and each half of the contact time into as
+//! many steps as there are rings. At the end of every step, the edge of the contact is the edge of a ring. The traction
+//! is a sum of the distributions q sqrt(1 - r²/c²), one for the outer radius c of each ring. The tangential
+//! displacement by one distribution is averaged around the ring at r. A pressure with the same distribution gives a
+//! normal displacement. The mean tangential displacement is this displacement times the ratio of the tangential to the
+//! normal compliance (Johnson 1985, Contact Mechanics, Eqs. 3.42 and 3.91), since the mean of cos² over all directions
+//! is 1/2. A ring that sticks is displaced by as much as the bodies. In a ring that slides, the traction is the
+//! friction μ times the pressure.
 //!
 //! Units: largest overlap, effective radius, effective mass and normal speed are 1. The slip is divided by μ.
 
@@ -52,7 +53,8 @@ impl PartialSlip {
     /// Makes an impact. `stiffness` [-] is Mindlin's ratio k_t/k_n = 4 G*/E* (0.82 at Poisson's ratio 0.3), and `mass`
     /// [-] the ratio M_t/M of the effective masses (2/7 for solid spheres).
     pub fn new(stiffness: f64, mass: f64) -> Self {
-        // with a phase from 0 to π/2, overlap and speed are sin^(4/5) and cos, and a step of time goes as sin^(-1/5)
+        // with a phase from 0 to π/2, overlap and speed are sin^(4/5) and cos, and a step of time is proportional to
+        // sin^(-1/5)
         let phase = |k: usize| FRAC_PI_2 * k as f64 / RINGS as f64;
         let radii: Vec<f64> = (1..=RINGS).map(|k| phase(k).sin().powf(0.4)).collect();
         let steps = (0..RINGS).map(|k| {
@@ -90,8 +92,9 @@ impl PartialSlip {
 
     /// Amplitudes q of the tractions q sqrt(1 - r²/c²), one per radius c of a ring in contact, after the bodies have
     /// moved by `moved` relative to each other. `displaced` holds the displacements of the rings before this motion.
-    /// `state` has the states of the rings in contact, at least one. The states are changed until each ring that sticks
-    /// has less traction than the limit, and each ring that slides does so along its traction.
+    /// `state` has the states of the rings in contact, at least one. The states are changed until two conditions hold.
+    /// Each ring that sticks has at most the traction of the friction limit, and each ring that slides does so along
+    /// its traction.
     fn tractions(&self, state: &mut [RingState], displaced: &DVector<f64>, moved: f64) -> DVector<f64> {
         let rings = state.len();
         let displacement = self.displacement.view((0, 0), (rings, rings));

@@ -20,9 +20,9 @@ use std::sync::OnceLock;
 /// and 1e-6 (Hertz's law).
 const STEPS: u32 = 120;
 
-/// Number of intervals in each of the two parts of a table of Φ. One part ends at the slip beyond which all impacts
-/// slide to their end; the other part covers larger slips. The error of linear interpolation is 1e-6, and at most 1e-5
-/// near the slips at which the sequence of phases changes.
+/// Number of intervals in each of the two parts of a table of Φ. One part ends at a slip beyond which all impacts slide
+/// to their end; the other part covers larger slips. The error of linear interpolation is 1e-6, and at most 1e-5 near
+/// the slips at which the sequence of sticking and sliding changes.
 const POINTS: usize = 4096;
 
 /// Oblique impact of two bodies with a normal and a tangential law. The units are the effective mass M, the normal
@@ -365,9 +365,9 @@ mod tests {
 
     const MASS: f64 = 2.0 / 7.0;
 
-    /// Tangential velocity v_t'/V after the impact of a sphere of speed V at a wall. The pair is the angle [°] of the
-    /// velocity to the normal and the spin R ω_0/V before the impact. If `table` is true, the rebound is taken from a
-    /// [`ReboundTable`], otherwise it is computed directly.
+    /// Tangential velocity v_t'/V after the impact of a sphere of speed V at a wall. The pair is the angle [°] between
+    /// velocity and normal, and the spin R ω_0/V, both before the impact. If `table` is true, the rebound is taken from
+    /// a [`ReboundTable`], otherwise it is computed directly.
     fn rebound(impact: ObliqueImpact, restitution: f64, friction: f64, (angle, spin): (f64, f64), table: bool) -> f64 {
         let (sin, cos) = f64::to_radians(angle).sin_cos();
         let (slip, unit) = (sin - spin, friction * cos);
@@ -427,7 +427,8 @@ mod tests {
         }
     }
 
-    /// Compares small slips with the closed form: an impact without sliding has β_0 = -cos(ω_t T_c).
+    /// Compares small slips with the closed form: an impact without sliding has the tangential restitution β_0 =
+    /// -cos(ω_t T_c). Here ω_t is the angular frequency of the tangential spring, and T_c the contact time.
     #[test]
     fn small_slips_rebound_by_the_closed_form_where_nothing_slides() {
         // as the limit falls to zero, the contact slides at the end unless the spring is unstretched then: κ = 2/7 at e
@@ -438,8 +439,8 @@ mod tests {
         assert!((smooth.rebound(1.0) - 1.0).abs() < 1e-9);
     }
 
-    /// Compares the slip after an impact over μ u_n with independently computed reference values for the three
-    /// histories of the spring (e = 1, ν = 0.3; test 5 of Chung and Ooi 2011).
+    /// Compares the reduced slip s'/(μ u_n) after an impact with independently computed reference values for the three
+    /// histories of the spring. The restitution is 1 and Poisson's ratio 0.3 (test 5 of Chung and Ooi 2011).
     #[test]
     fn rebounds_of_hertz_and_mindlin_are_those_of_the_reference() {
         // steel on a rigid plane, ν 0.3: k_t/k_H = 6 G*/E*

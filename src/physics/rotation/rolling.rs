@@ -50,19 +50,19 @@ pub struct TwistingLaw {
     pub damping: f64,
 }
 
-/// Coefficients of rolling and twisting friction of a surface. `None` means the coefficient of the law of the case.
+/// Coefficients of rolling and twisting friction of a surface, each of which may be missing (`None`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ResistanceFriction {
     /// [-] coefficient μ_r of rolling friction; `None`: that of the law.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolling: Option<f64>,
-    /// [-] twisting friction, which replaces the sliding friction μ in the limit of twisting; `None`: that of the law.
+    /// [-] twisting friction, which replaces the sliding friction μ in the limit of twisting; `None`: μ itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twisting: Option<f64>,
 }
 
 impl ResistanceFriction {
-    /// True if the surface has neither coefficient, so that both are taken from the law.
+    /// True if the surface has neither coefficient.
     pub fn is_of_law(&self) -> bool {
         *self == Self::default()
     }
@@ -155,8 +155,9 @@ impl RollingLaw {
 }
 
 impl TwistingLaw {
-    /// Twisting resistance between two bodies at the overlap [m]. It is computed from their tangential spring and their
-    /// coefficient of sliding friction [-].
+    /// Twisting resistance between two bodies, from their tangential spring and their coefficient of twisting friction
+    /// [-]. The spring of the result has its constants for an overlap of 1 m; the limit `friction` is that for
+    /// `overlap` [m].
     pub fn between(
         &self,
         tangential: &SpringDashpotSlider,

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Quantity that a contact stores while its stiffness changes with the overlap. Only the first option creates no energy
-/// in any closed cycle of pressing and shearing.
+/// Quantity that a contact stores while its stiffness changes with the overlap. Only [`Rescaled`](Self::Rescaled)
+/// creates no energy in any closed cycle of pressing and shearing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpringHistory {
@@ -73,10 +73,10 @@ impl SpringDashpotSlider {
         Self { stiffness: self.stiffness * factor, dashpot: self.dashpot * factor.sqrt(), ..*self }
     }
 
-    /// Factors a and b [-] of the shear after a step: a times the shear before the step, plus b times the slip in the
-    /// step. The overlap changes evenly from `before` to `after` [m]. If the contact stores the force F = k ξ
-    /// (stiffness times shear), F stays constant as k changes. The slip then adds to F with the mean stiffness of the
-    /// step.
+    /// Factors a and b [-] of the shear after a step: a times the shear before the step, plus b times the distance
+    /// slipped in the step. The overlap changes evenly from `before` to `after` [m]. If the contact stores the force F
+    /// = k ξ (stiffness times shear), F stays constant as k changes. The distance slipped then adds to F with the mean
+    /// stiffness of the step.
     #[inline(always)]
     pub fn growth(&self, before: f64, after: f64) -> (f64, f64) {
         let keeps_force = match self.history {

@@ -4,7 +4,7 @@ use super::slider::{SpringDashpotSlider, SpringHistory};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Law of the tangential force of a soft contact.
+/// Law of the tangential force of a soft contact. μ is the friction coefficient, and f_n the normal force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TangentialLaw {
@@ -46,9 +46,10 @@ pub enum LinearTangential {
 /// Constants of the normal contact of two bodies, from which a tangential law derives its own constants.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalSpring {
-    /// [N/m] stiffness k_n of the normal spring.
+    /// [N/m] stiffness k_n of the normal spring; for Hertz's law the constant k_H [N/m^1.5].
     pub stiffness: f64,
-    /// [N s/m] dashpot constant c_n of the normal contact.
+    /// [N s/m] dashpot constant c_n of the normal contact; for Hertz's law in N s/m^1.25, for Kuwabara and Kono's law
+    /// in N s/m^1.5.
     pub dashpot: f64,
     /// [s] contact time T_c of a linear law; infinite for other laws, whose contact time depends on the speed.
     pub contact_time: f64,
@@ -56,8 +57,8 @@ pub struct NormalSpring {
     pub tangent: f64,
     /// [-] twice the power of the overlap to which `tangent` is proportional; 0 for a linear law.
     pub half_powers: u8,
-    /// [N/m^1.5] Mindlin's tangential stiffness over the root of the overlap, 8 G* sqrt(R), with the effective shear
-    /// modulus G* and the effective radius R; 0 for other laws.
+    /// [N/m^1.5] Mindlin's tangential stiffness over the square root of the overlap, 8 G* sqrt(R), with the effective
+    /// shear modulus G* and the effective radius R; 0 for other laws.
     pub shear_stiffness: f64,
 }
 

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Part of space in which particles leave the scene. A particle leaves at the end of the first window (time between two
+/// Part of space in which particles leave the scene. A particle leaves at the first end of a window (time between two
 /// exchanges with the gas) at which its centre is in this part.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outlet {

@@ -1,5 +1,5 @@
-//! Lengths of windows in scenes with servo walls. They move to keep the pressure on them, and their speed changes at
-//! the ends of windows. A window is the time between two exchanges with the gas.
+//! Lengths of windows in scenes with servo walls. Servo walls move to keep the pressure on them, and the speed of such
+//! a wall changes at the ends of windows. A window is the time between two exchanges with the gas.
 
 use crate::experiment::Experiment;
 use crate::predict::contact::ContactTimes;

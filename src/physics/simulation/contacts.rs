@@ -47,7 +47,8 @@ impl Simulation {
     }
 
     /// Calls `visit` with each two bodies in contact (two particles, or a particle and a wall), given by their indices,
-    /// and with their overlap [m]. Engines with instantaneous collisions have no contacts.
+    /// and with their overlap [m]. Engines with instantaneous collisions have no contacts. Contacts with particles of
+    /// other processes are left out; [`contacts_abroad`](Self::contacts_abroad) returns them.
     pub fn for_each_contact(&self, mut visit: impl FnMut(Couple, f64)) {
         let mut look = |couple: Couple| {
             let overlap = couple.meet(&self.particles, &self.scene, FrameTime::default()).overlap();
@@ -63,6 +64,7 @@ impl Simulation {
     }
 
     /// [m] largest overlap of each particle, in the order of the store; 0 for a particle without a soft contact.
+    /// Contacts with particles of other processes are left out.
     pub fn overlaps(&self) -> Vec<f64> {
         let mut overlaps = vec![0.0_f64; self.particles.len()];
         self.for_each_contact(|couple, overlap| {

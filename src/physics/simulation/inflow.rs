@@ -54,7 +54,7 @@ struct NewParticle {
     radius: f64,
     /// [m/s] velocity of the particle.
     velocity: Vector3<f64>,
-    /// [rad/s] spin of the particle, which is used if spheres rotate.
+    /// [rad/s] spin of the particle, which is used only if spheres rotate.
     spin: Vector3<f64>,
 }
 
@@ -74,7 +74,8 @@ impl NewParticle {
 
 impl Simulation {
     /// Particles that come in now, with their entries in the ledger. Particles that must come in but find no free
-    /// position wait. `leaving` contains the indices of the particles that leave now, in ascending order.
+    /// position wait. `leaving` contains the index of each particle that leaves now, in ascending order, with the index
+    /// of its outlet. The counts of particles in `flow` are updated.
     pub(super) fn incoming(&mut self, flow: &mut ThroughFlow, leaving: &[(u32, usize)]) -> (Particles, Vec<Ledger>) {
         let (mut fresh, mut entries) = (Particles::default(), Vec::new());
         for number in 0..self.scene.inlets.len() {

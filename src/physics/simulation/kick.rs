@@ -13,8 +13,9 @@ use crate::scene::Species;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Smallest number of particles for which the drag law is tabulated. Making the table takes as long as several dozen
-/// kicks of this number of particles, and a run makes hundreds of kicks.
+/// Smallest number of particles for which the drag law is tabulated; with inlets or outlets, it is tabulated for any
+/// number. Making the table takes as long as several dozen kicks of this number of particles, and a run makes hundreds
+/// of kicks.
 const TABULATE: usize = 1000;
 
 impl Simulation {

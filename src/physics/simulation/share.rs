@@ -50,7 +50,8 @@ pub enum Order {
     TakeBack,
     /// Send particles to the lead: every n-th particle by id, where n is the given number.
     Gather(u32),
-    /// Check that the particles of the process are inside the domain.
+    /// Check that the particles of the process are inside the domain, send its records to the lead, take part in the
+    /// sum of the energies, and balance the numbers of particles.
     Check,
     /// Compute the checksum of the state of all processes.
     Fingerprint,
@@ -213,7 +214,8 @@ impl Simulation {
         }
     }
 
-    /// [m/s] root mean square of the velocities of all particles about their mean velocity.
+    /// [m/s] root mean square of the velocities of all particles about their mean velocity. If processes share the run,
+    /// the particles must have been gathered in this process ([`gather`](Self::gather)).
     pub fn fluctuation_speed(&self) -> f64 {
         let known = self.shown.as_ref().and_then(|shown| shown.fluctuation_speed);
         known.unwrap_or_else(|| Sample::from(&self.particles).fluctuation_speed())
@@ -239,7 +241,8 @@ impl Simulation {
         }
     }
 
-    /// Number of parts into which the state is divided between processes; 0 if this process has the whole state.
+    /// Number of parts into which the state is divided between processes. It is 0 if this process has the whole state,
+    /// or if the processes cannot store parts; the lead process must then store the whole state.
     pub fn parts_of_state(&mut self) -> usize {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.scatter();
@@ -295,7 +298,7 @@ impl Simulation {
     }
 
     /// Checksum of the [`state`](Self::state) of the particles of all processes, as [`Particles::fingerprint`] computes
-    /// it.
+    /// it. Stored positions are shifted by whole periods into the box.
     pub fn fingerprint(&mut self) -> u64 {
         if self.shown.as_ref().is_some_and(|shown| shown.every > 1) {
             self.scatter();

@@ -164,8 +164,8 @@ impl TurbulentKick<'_> {
         slip * ratio(slip)
     }
 
-    /// [-] change of the slip velocity of the particle at `index`, divided by the slip velocity. `square`
-    /// [m²/s²] is the square of the magnitude of the slip velocity.
+    /// [-] change, in this kick, of the slip velocity of the particle at `index`, divided by the slip velocity before
+    /// it. `square` [m²/s²] is the square of the magnitude of the slip velocity.
     #[inline]
     fn ratio(&self, all: &Particles, index: usize, square: f64) -> f64 {
         let (species, radius) = (all.species[index], all.radius[index]);

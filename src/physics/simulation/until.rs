@@ -19,8 +19,8 @@ impl Simulation {
 
     /// Runs until `time` [s] in the windows that the program uses for the experiment. For a simulation with an engine
     /// of the calling program, the first call chooses the length of the windows from the particles, and later calls
-    /// keep this length. At the end, velocities and positions belong to `time`. Nothing happens if the simulation has
-    /// reached `time` already.
+    /// keep this length. At the end, velocities and positions belong to `time`. If the simulation has reached `time`
+    /// already, no window is run, and only a missing half-kick of drag is applied.
     ///
     /// A call that ends at a sample of the schedule changes no bit of the results. At any other time the call divides a
     /// kick of drag, which changes rounding, and may divide a window.

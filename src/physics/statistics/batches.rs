@@ -96,7 +96,7 @@ impl Batches {
     }
 
     /// Combines averages that have the same blocks of time into one set with all components. `None` without parts, or
-    /// if the blocks differ.
+    /// if the numbers of blocks differ.
     pub fn join<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
         let mut parts = parts.into_iter();
         let mut whole = parts.next()?.clone();
@@ -159,7 +159,8 @@ impl Batches {
     }
 
     /// Weighted sum of averages of independent runs, block by block. Each part has its weight [-]. The scatter of the
-    /// summed blocks is that of all runs together. `None` without parts, or if the blocks of the runs differ.
+    /// summed blocks is that of all runs together. `None` without parts, or if the runs differ in the number or length
+    /// of their blocks, or in the number of averages.
     pub fn sum(parts: &[(f64, &Self)]) -> Option<Self> {
         let (_, first) = parts.first()?;
         let alike = |one: &Self| {
@@ -309,7 +310,8 @@ impl Contrast {
             // degrees of freedom of independent blocks with a variance as uncertain as that of this exponentially
             // correlated series
             freedoms[place] = (count - 1.0) * (1.0 - square) / (1.0 + square);
-            // the inflation (1 + ρ)/(1 - ρ) of a variance has the relative variance 4 var(ρ)/(1 - ρ²)²
+            // the inflation (1 + ρ)/(1 - ρ) of a variance by the correlation ρ has the relative variance 4 var(ρ)/(1 -
+            // ρ²)²
             let relative = guesses.iter().map(|&(rho, variance)| 2.0 * variance / (1.0 - rho * rho).powi(2));
             unsure = unsure.max(relative.fold(0.0, f64::max));
         }
@@ -361,7 +363,8 @@ pub fn measured(a: &Batches, b: &Batches) -> Vec<(f64, f64)> {
         return Vec::new();
     }
     let [first, second] = correlations(runs, &runs.map(Batches::deviations));
-    // if the two runs have nearly equal block lengths, their correlations were measured in both runs together
+    // if the block lengths of the two runs are within a factor of `SAME_LENGTH`, their correlations were measured in
+    // both runs together
     let both = if first == second { first } else { first.into_iter().chain(second).collect() };
     both.into_iter().filter(|one| one.1 > 0.0).collect()
 }
@@ -403,8 +406,8 @@ fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)>
         if run.per_run <= 1 {
             return (0.0, 0.0);
         }
-        // the measured value is too low by (1 + 3 ρ)/count, because the mean is computed from the same blocks (Marriott
-        // and Pope 1954)
+        // the measured value of a correlation ρ is too low by (1 + 3 ρ)/count, because the mean is computed from the
+        // same blocks (Marriott and Pope 1954)
         let raw = run.neighbours(deviations, component);
         let rho = ((raw + 1.0 / count) / (1.0 - 3.0 / count)).min(LARGEST_CORRELATION);
         (rho, (1.0 - rho * rho) / count)
@@ -413,8 +416,8 @@ fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)>
 }
 
 /// Measured correlations between neighbouring blocks in each of two runs. Each component has the correlation [-] and
-/// its variance [-] due to chance. If the runs have nearly equal block lengths, both get the averages over the two
-/// runs.
+/// its variance [-] due to chance. If the block lengths of the runs are within a factor of `SAME_LENGTH`, both runs get
+/// the averages over the two runs.
 fn correlations(runs: [&Batches; 2], deviations: &[DMatrix<f64>; 2]) -> [Vec<(f64, f64)>; 2] {
     let ratio = runs[0].length / runs[1].length;
     let alike = (1.0 / SAME_LENGTH..SAME_LENGTH).contains(&ratio) && runs.iter().all(|run| run.per_run > 1);

@@ -10,8 +10,9 @@ use serde::{Deserialize, Serialize};
 /// Smallest number of blocks (or samples) from which a standard error is computed. With fewer blocks, their correlation
 /// cannot be measured.
 pub const FEWEST_BLOCKS: usize = 8;
-/// Smallest number of blocks into which a long series is merged; the number is always less than twice as large. More
-/// blocks would resolve fast noise, but miss slow fluctuations. Fewer blocks would be too few data for an estimate.
+/// Smallest number of blocks into which a long series is merged; the number of blocks is always less than twice this
+/// number. More blocks would resolve fast noise, but miss slow fluctuations. Fewer blocks would be too few data for an
+/// estimate.
 const BLOCKS: usize = 20;
 /// [-] upper limit of the correlation between neighbouring blocks; a higher measured value is replaced by this limit. A
 /// series with a higher correlation is a single slow fluctuation.
@@ -146,8 +147,9 @@ fn corrected_variance(blocks: &[f64], removed: Removed) -> f64 {
         return 0.0;
     }
     let neighbours: f64 = blocks.windows(2).map(|pair| (pair[0] - centre) * (pair[1] - centre)).sum();
-    // in a short series the measured correlation is too low by about (1 + 4 rho)/count, because the mean is computed
-    // from the same series (Marriott and Pope 1954). With three fitted coefficients the bias is three times as large
+    // in a short series with the correlation rho the measured correlation is too low by about (1 + 4 rho)/count,
+    // because the mean is computed from the same series (Marriott and Pope 1954). With three fitted coefficients the
+    // bias is three times as large
     let bias = if removed == Removed::Parabola { 3.0 } else { 1.0 };
     let correlation =
         ((count * neighbours / scatter + bias) / (count - 4.0 * bias).max(1.0)).clamp(0.0, LARGEST_CORRELATION);

@@ -14,8 +14,9 @@ const CLOSE: f64 = 1e-8;
 const STEPS: usize = 10_000;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, by conservative advancement (Mirtich 1996, Impulse-based
-/// Dynamic Simulation, section 2.3). `None` without a touch until `until` [s]. In each step the sphere advances by the
-/// shortest time in which it can cover its gap. Below the gap [`CLOSE`] the tangent plane gives the time of touch.
+/// Dynamic Simulation, section 2.3). `None` without a touch until `until` [s], or if `STEPS` steps do not suffice. In
+/// each step the sphere advances by the shortest time in which it can cover its gap. Below the gap [`CLOSE`] the
+/// tangent plane gives the time of touch.
 pub(super) fn touch_time<G: Geometry + ?Sized>(shape: &G, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
     within(shape, flight, radius, (until, STEPS)).flatten()
 }

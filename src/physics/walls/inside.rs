@@ -18,9 +18,10 @@ impl Frustum {
 }
 
 impl Mesh {
-    /// True if the triangles cover more than half of the full solid angle 4π, seen from `point` [m]. A triangle with
-    /// corners in the directions a, b, c covers the solid angle Ω with tan(Ω/2) = a·(b × c)/(1 + a·b + b·c + c·a) (van
-    /// Oosterom and Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125).
+    /// True if the triangles cover more than half of the full solid angle 4π, seen from `point` [m]. False for a point
+    /// outside the box around the triangles. A triangle with corners in the directions a, b, c covers the solid angle Ω
+    /// with tan(Ω/2) = a·(b × c)/(1 + a·b + b·c + c·a) (van Oosterom and Strackee 1983, IEEE Trans. Biomed. Eng. 30,
+    /// 125).
     pub(super) fn surrounds(&self, point: &Vector3<f64>) -> bool {
         let [low, high] = self.bounds();
         if (0..3).any(|axis| point[axis] < low[axis] || point[axis] > high[axis]) {

@@ -269,7 +269,8 @@ impl Flight {
     }
 }
 
-/// Shape of a wall, either of a type that a case can contain or defined by the calling program.
+/// Shape of a wall, either of a type that a case (input file) can contain or defined by the calling program, which uses
+/// this library.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WallGeometry {
@@ -285,7 +286,7 @@ pub enum WallGeometry {
     Mesh(Arc<Mesh>),
     /// A body with its images across periodic sides. In a periodic domain, a simulation uses this form for every body.
     Repeated(Arc<Repeated>),
-    /// A shape that moves, at an instant. A plane in translation is a [`Plane`](Self::Plane) at each instant.
+    /// A moving shape, at its place at one instant. A plane in translation is a [`Plane`](Self::Plane) at each instant.
     Moving(Arc<MovingShape>),
     /// A shape that the calling program defines; a case cannot contain it.
     #[serde(skip)]
@@ -293,7 +294,8 @@ pub enum WallGeometry {
 }
 
 impl WallGeometry {
-    /// Nearest point of the surface to `point` [m]. For planes, the most frequent walls, a virtual call is avoided.
+    /// Nearest point of the surface to `point` [m]. For planes, the most frequent walls, the call is faster, because it
+    /// is not a virtual one.
     #[inline]
     pub fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         self.plane().map_or_else(|| self.law().nearest(point), |plane| plane.nearest(point))
@@ -442,9 +444,9 @@ fn is_still(velocity: &Vector3<f64>) -> bool {
     *velocity == Vector3::zeros()
 }
 
-/// True if two spheres in straight flight approach each other, and their smallest distance is less than `reach` [m].
-/// Otherwise [`first_touch`] finds no time. `apart` [m] and `velocity` [m/s] are relative position and velocity. The
-/// test has no branches, so that a processor can test several pairs at once.
+/// True if two spheres in straight flight approach each other, and the smallest distance of their centres is at most
+/// `reach` [m]. Otherwise [`first_touch`] finds no time. `apart` [m] and `velocity` [m/s] are relative position and
+/// velocity. The test has no branches, so that a processor can test several pairs at once.
 #[inline(always)]
 pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> bool {
     let closing = -apart.dot(velocity);

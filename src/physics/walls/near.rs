@@ -1,4 +1,4 @@
-//! Search for the walls near a point.
+//! Search for the walls of a scene that are near a point.
 
 use super::mesh::Tree;
 use super::{Nearest, Wall};

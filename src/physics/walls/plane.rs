@@ -27,8 +27,8 @@ impl Geometry for Plane {
         true
     }
 
-    /// Returns the time of touch [s] in closed form. The gap is g0 + v t + a t²/2, with v and a the components of
-    /// velocity and gravity along the normal. `None` without a touch until `until` [s].
+    /// Returns the time of touch [s] in closed form. The gap is g0 + v t + a t²/2, with the gap g0 at the beginning,
+    /// and v and a the components of velocity and gravity along the normal. `None` without a touch until `until` [s].
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let gap = self.nearest(&flight.position).distance - radius;
         let speed = flight.velocity.dot(&self.normal);

@@ -40,10 +40,10 @@ pub struct WallApproach {
 }
 
 impl WallRoughness {
-    /// [-] unit normal of the facet that an impact meets. `restitution` gives e > 0 [-] for a normal speed [m/s]. The
-    /// random choice depends only on the seed, the wall, the particle and its velocity. The result is the normal of the
-    /// smooth wall if the sphere does not approach. It is also this normal if none of `MOST` random facets makes the
-    /// sphere leave the wall, as at normal incidence with e = 0.
+    /// [-] unit normal of the facet that an impact meets. `restitution` gives the restitution e >= 0 [-] for a normal
+    /// speed [m/s]. The random choice depends only on the seed, the wall, the particle and its velocity. The result is
+    /// the normal of the smooth wall if the sphere does not approach. It is also this normal if none of `MOST` random
+    /// facets makes the sphere leave the wall, as at normal incidence with e = 0.
     pub fn facet(&self, impact: &WallApproach, restitution: impl Fn(f64) -> f64) -> Vector3<f64> {
         /// [-] tilt over Δγ that is taken as the largest expected one: the probability of larger tilts is exp(-50).
         const FAR: f64 = 10.0;

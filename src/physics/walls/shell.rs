@@ -1,8 +1,8 @@
 //! Time at which a sphere touches a thin round shell.
 //!
 //! Spheres slide along a shell in ever smaller and slower bounces, with flights nearly along the shell. Conservative
-//! advancement makes steps as long as the gap, so it would need too many steps for such flights. For these, the time of
-//! touch is found as the root of a polynomial.
+//! advancement makes steps as long as the gap, so it would need too many steps for such flights. If `STEPS` steps do
+//! not suffice, the time of touch is found as the root of a polynomial.
 
 use super::{Flight, Frustum, Geometry, Nearest, advancement, polynomial};
 use nalgebra::{Vector2, Vector3};

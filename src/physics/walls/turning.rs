@@ -51,7 +51,7 @@ impl Wall {
     }
 
     /// [m/s] velocity of the surface along itself, relative to the shape. `point` [m] is a point of the shape at the
-    /// place where the case puts it.
+    /// place where the case (input file) puts it.
     #[inline(always)]
     pub fn sliding_velocity(&self, point: &Vector3<f64>) -> Vector3<f64> {
         match &self.turning {

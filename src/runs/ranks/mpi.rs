@@ -11,15 +11,16 @@ use mpi::topology::{Communicator, SimpleCommunicator};
 /// [bytes] largest piece in which a message is sent. MPI counts bytes in 32 bits.
 const PIECE: usize = 1 << 30;
 
-/// Tag of the messages within a run that several processes share. It distinguishes them from the messages between lead
-/// and helpers.
+/// Tag of the messages within a run that several processes share. It distinguishes them from the messages between the
+/// lead (process 0) and the helpers (all other processes).
 const SHARED: i32 = 1;
 
 /// Connection between the processes of a command by MPI.
 pub struct Mpi {
     world: SimpleCommunicator,
     on_this_machine: usize,
-    /// Handle that ends MPI when it is dropped. It must be the last field, because fields are dropped in order.
+    /// Handle that ends MPI when it is dropped. It must be the last field, because fields are dropped in the order of
+    /// their declaration.
     _universe: Universe,
 }
 

@@ -20,8 +20,8 @@ pub enum MethodParameter {
     Window,
 }
 
-/// [-] number of steps per contact N_c while the stiffness is swept. With so many steps, the error of the Runge-Kutta
-/// method in the restitution is below 1e-6.
+/// [-] number of steps per contact N_c while the stiffness is swept. With so many steps, the fourth-order Runge-Kutta
+/// method gives the restitution with an error below 1e-6.
 pub const FINE_STEPS: f64 = 50.0;
 
 /// Collision model of a method and its way to step in time: soft spheres with law, stepping and integrator, or hard

@@ -72,7 +72,7 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     };
     let report = write_chart(&folder, &study)?;
     if !quiet {
-        // the first verdicts, one for each quantity, are printed in the report only
+        // the first sentences, one for each quantity, are printed in the report only
         let failures = verdicts.iter().skip(results.quantities.len()).cloned();
         let said: Vec<String> = std::iter::once(chart_answers(&study)).chain(failures).collect();
         conclude(&said, "Report", &report);
@@ -80,8 +80,8 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Experiment of the case, with the contact law of the first variant that has one. Every method of the chart runs a
-/// changed copy of this experiment.
+/// Experiment of the case, with the contact law of the first variant (experiment of the case) that has one. Every
+/// method of the chart runs a changed copy of this experiment.
 fn base(case: &Case) -> Result<Experiment, StudyError> {
     let variants = case.variants(None);
     let run = case.experiment(None, None);

@@ -4,8 +4,8 @@ use crate::runs::INTERVAL;
 use crate::simulation::Simulation;
 use std::time::Instant;
 
-/// [-] weight of the estimate made before the runs, against the wall times measured so far. It is a share of the
-/// estimated wall time of the whole chart.
+/// [-] weight of the estimate made before the runs, compared with the wall times measured so far. The estimate counts
+/// as much as measured runs that take this share of the estimated wall time of the whole chart.
 const PRIOR: f64 = 0.05;
 
 /// Progress of the runs of a chart, with the expected wall time of each run.

@@ -78,7 +78,8 @@ impl GasAmongParticles {
 /// the case.
 ///
 /// # Errors
-/// A folder without such a table, a table that cannot be read, or the table of another gas.
+/// Returns an error for a folder without the table, for a table that cannot be read or is too large, or for the table
+/// of another gas.
 pub fn gases(run: &Path, profile: &Profile) -> Result<Vec<GasAmongParticles>, StudyError> {
     let path = run.join(GAS_TABLE);
     let refuse = |why: String, help: &str| StudyError::Input(format!("error: {why}\nhelp: {help}"));

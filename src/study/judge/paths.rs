@@ -263,8 +263,8 @@ impl Apart {
 }
 
 /// [s] last recorded instant before a small disturbance of the initial velocities has grown a thousandfold. `None` if
-/// it never grows so much, or does so at no more than half of the later instants. `None` also if the particles cannot
-/// be placed again.
+/// the disturbance never grows so much, or if it exceeds this limit at no more than half of the instants from then on.
+/// `None` also if the particles cannot be placed again.
 fn predictable(reference: &Outcome) -> Option<f64> {
     let speed = largest_speed(reference);
     let mut start = initial_state(&reference.experiment).ok()?;

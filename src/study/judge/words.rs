@@ -57,7 +57,7 @@ pub fn in_prose(name: &str) -> String {
 
 /// Answer of a comparison of averages or curves, as a sentence without its subject. `across` is the unit of positions
 /// or instants: m, s, or empty for single numbers. `needed` describes runs that would decide the comparison, given the
-/// factor by which they are longer.
+/// factor by which they are longer or more numerous.
 pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> String) -> String {
     match comparison.answer {
         Answer::Equivalent => equivalent(comparison, across),

@@ -76,8 +76,8 @@ pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> 
     Ok(overall(&comparisons))
 }
 
-/// Path of the first file of one side of the comparison, without the name of a variant that may follow after a colon.
-/// The name of the folder of results is made from this path.
+/// Path of the first file of one side of the comparison, without the name of a variant (experiment of a case) that may
+/// follow after a colon. The name of the folder of results is made from this path.
 fn first_file(side: &JudgeSide) -> PathBuf {
     let first = side.paths.first().map_or("", String::as_str);
     table::split_variant(first).0.into()

@@ -1,5 +1,6 @@
-//! Reads tables of numbers that any program wrote: CSV, thermo output of LAMMPS, output of its command `fix ave/time`,
-//! and averages over the particles of a trajectory. A variant is one of the experiments of a case.
+//! Reads tables of numbers that any program wrote: CSV, thermo output (the tables in the log) of LAMMPS, output of its
+//! command `fix ave/time`, and averages over the particles of a trajectory. A variant is one of the experiments of a
+//! case.
 
 use crate::case::de::Located;
 use crate::case::{Diagnostic, Origin, Sources, nearest, read_text};

@@ -1,4 +1,5 @@
-//! Reads thermo output of LAMMPS and LIGGGHTS from their logs.
+//! Reads thermo output of LAMMPS and LIGGGHTS from their logs: tables of averages over all particles, such as
+//! temperature and energy, with one row per printed time step.
 //!
 //! Format: LAMMPS documentation, commands `thermo_style` and `thermo_modify line`,
 //! <https://docs.lammps.org/thermo_style.html>.

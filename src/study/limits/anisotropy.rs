@@ -56,8 +56,8 @@ fn rate(experiment: &Experiment) -> Result<(f64, Option<Failure>), StudyError> {
 }
 
 /// Map of the decay rate of the anisotropy of soft spheres, divided by that of hard spheres, as a function of the
-/// overlap number κ_n. For spheres of mass m, diameter d and stiffness k at the granular temperature T, it is sqrt(2/π)
-/// sqrt(mT/k)/d.
+/// overlap number κ_n. For spheres of mass m, diameter d and stiffness k at the granular temperature T, this number is
+/// sqrt(2/π) sqrt(mT/k)/d.
 pub fn anisotropy_decay(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (kappas, count, seeds) =
         grid.choose((vec![0.05], 10_000, 6), (vec![0.003, 0.009, 0.02, 0.035, 0.05], 20_000, 48));

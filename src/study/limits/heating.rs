@@ -12,8 +12,8 @@ use crate::predict::integrator::{Scheme, heating_per_collision, realised_restitu
 use crate::runs::StudyError;
 use crate::statistics::Estimate;
 
-/// [m/s] standard deviation of each velocity component at the start: T = 0.49 m²/s², as in case D of the paper
-/// (docs/paper.md).
+/// [m/s] standard deviation of each velocity component at the start. It gives the granular temperature 0.49 m²/s², as
+/// in case D of the paper (docs/paper.md).
 const SPEED: f64 = 0.7;
 /// [-] volume fraction of the particles. Pairs then collide often, and three particles at once seldom.
 const FRACTION: f64 = 0.1;

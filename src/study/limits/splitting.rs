@@ -16,7 +16,7 @@ const REFERENCE: u64 = 16_384;
 /// kicks of drag.
 pub fn splitting(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let powers: Vec<u32> = grid.choose(vec![0, 3, 6, 9], (0..=9).collect());
-    // [s] about the response time of the small sphere of the paper
+    // [s] about the response time of the small sphere to drag, in the paper of docs/paper.md
     let duration = grid.base.run.duration;
     let at = |windows: u64| {
         let mut simulation = simulation(&grid.base)?;

@@ -26,7 +26,7 @@ const DISTURBANCE: f64 = 0.01;
 /// 3.5 in all.
 const STEPS: f64 = 1e5;
 
-/// [-] growth of the disturbance from which a point of the map counts as unstable. It is far from 1, the growth of a
+/// [-] growth of the disturbance above which a point of the map counts as unstable. It is far from 1, the growth of a
 /// stable point without damping, and from 100, at which the contacts open.
 const GROWS: f64 = 2.0;
 

@@ -71,7 +71,8 @@ pub fn walton(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let rows = grid.run(&points(&slips, &betas), |&(share, beta)| {
         let reduced = share * (1.0 + restitution) / (SOLID * (1.0 + beta));
         let (after, failure) = rebound(grid, law(case, restitution, beta), reduced)?;
-        // masses are in units of M, speeds in units of μ u_n
+        // masses are in units of M (effective mass of the normal motion), speeds in units of μ u_n (coefficient of
+        // friction times normal speed)
         let approach = ObliqueApproach {
             friction: 1.0,
             restitution,

@@ -418,7 +418,7 @@ fn seed(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
         return Err("all particles start at given places: there is no chance in it".into());
     }
     let own = reference.run.seed;
-    // a seed that no replica of the case uses
+    // a seed that no run of the unchanged case uses
     let usual = own.wrapping_add(u64::from(plan.replicas));
     let to = match size {
         None => usual,

@@ -56,8 +56,8 @@ impl Question {
 }
 
 /// Begins or resumes a study that answers `question`, and writes its results to one folder. Runs that are complete are
-/// not repeated. Returns one answer for all factors together, or `None` without a factor, in a helper process, or if
-/// only the plan is printed.
+/// not repeated. Returns one answer for all factors together, or `None` without a factor, if only the plan is printed,
+/// or in a helper process of a command with several processes.
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or for failures of engines, after everything has been

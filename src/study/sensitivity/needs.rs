@@ -79,7 +79,7 @@ fn superfluous<'a>(
         let with = |shift: &crate::output::sensitivity::Shift| {
             sums.get(shift.observable.as_str()).unwrap_or(&0.0) + shift.share().abs()
         };
-        // a run has one collision model, so only one factor can replace it
+        // a run has one collision model, so at most one of the chosen factors may replace the collision model
         let fits = !(model(planned) && chosen.iter().any(|one| model(one)));
         if fits && factor.shifts.iter().all(|shift| with(shift) <= margin) {
             for shift in &factor.shifts {

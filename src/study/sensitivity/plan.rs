@@ -11,8 +11,8 @@ use crate::runs::StudyError;
 use crate::study::plan::any_model;
 use crate::study::replicas::replicas;
 
-/// Default number of replicas (runs with different seeds) in a study whose runs are not steady. Student's t of a
-/// difference then has 14 degrees of freedom.
+/// Default number of replicas (runs with different seeds) in a study of many particles that lose energy and are not
+/// kept moving, so that no run is steady. Student's t of a difference then has 14 degrees of freedom.
 const REPLICAS: u16 = 8;
 
 /// Reason for leaving out a factor if the user has named other factors.

@@ -62,7 +62,8 @@ pub fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) ->
 }
 
 /// Plans the run with a changed stiffness ratio k_t/k_n of the linear tangential law. `size` is the new ratio as typed
-/// by the user; `None` means the ratio of elastic spheres or, if the case has about this ratio, that for equal periods.
+/// by the user; `None` means the ratio of elastic spheres or, if the case has this ratio approximately (within 0.27),
+/// the ratio for equal periods.
 pub fn tangential_stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let Some(rotation) = plan.run(first).scene.rotation.clone() else { return Err("spheres do not rotate".into()) };

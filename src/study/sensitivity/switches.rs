@@ -14,14 +14,14 @@ use crate::runs::StudyError;
 use crate::study::plan::any_model;
 use nalgebra::Vector3;
 
-/// Factors of `diptych sensitivity` that `diptych needs` studies besides the models: numerical settings, and the effect
-/// of chance.
+/// Factors of `diptych sensitivity` that `diptych needs` studies besides the models: integrator, drag law, length of
+/// the box, and the effect of chance.
 const BESIDE: [&str; 4] = ["integrator", "drag", "box", "seed"];
 /// Largest number of slices across the box in which the volume fraction is averaged, for drag in suspensions.
 const SLICES: f64 = 20.0;
 
-/// Possibilities to add a model to a case, so that it becomes the richest case (the case with all models that are
-/// possible).
+/// Result of an attempt to add one model to a case. With all models that are possible, the case becomes the richest
+/// case.
 enum Richer {
     /// The case already has the model.
     Has,
@@ -39,7 +39,7 @@ struct Switch {
     title: &'static str,
     /// Function that returns the changes by which the model is added to a case, or the reason why it cannot be added.
     richer: fn(&Experiment) -> Richer,
-    /// Function that returns the change that leaves out the model, for a case that has it.
+    /// Function that returns the change by which the model is left out, for a case with this model.
     simpler: fn(&SensitivityPlan) -> Simplification,
 }
 
@@ -243,7 +243,7 @@ impl<'a> SensitivityPlan<'a> {
     /// Plans the run of the richest case (the case with all models that are possible), and one run without each model.
     ///
     /// # Errors
-    /// Returns an error if the case cannot run, or if it has no model that could be left out.
+    /// Returns an error if the case cannot run, or if no model can be left out.
     pub fn richest(case: &'a Case, args: &Sensitivity) -> Result<(Self, Checked), StudyError> {
         let seed = args.runs.effort.seed;
         let soft = || case.experiment(Some(Model::Soft), seed);
@@ -291,7 +291,7 @@ impl<'a> SensitivityPlan<'a> {
     }
 
     /// Plans the run without the model `switch`. `why` says how the model was added to the case; it is empty if the
-    /// case has it.
+    /// case has the model as typed.
     fn leave_out(&mut self, switch: &Switch, why: String) {
         let simpler = (switch.simpler)(self);
         let name = match simpler.model {

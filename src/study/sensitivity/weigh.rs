@@ -112,7 +112,7 @@ struct LineFit {
     /// the line through the first and the third.
     miss: Vec<f64>,
     /// [-] for three values: standard error of the slope divided by the deviation of the second value from the line
-    /// through the first and the third, if nothing else scatters the values.
+    /// through the first and the third, if the values have no other error.
     share: f64,
 }
 

@@ -92,7 +92,7 @@ fn restitution(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let mut simulation = scene.simulation(Model::Soft, None, &sets)?;
         run_to(&mut simulation, 1e-4, 1)?;
         let found = simulation.particles.velocity[0].y / 3.9;
-        // fourth-order local steps, 200 per contact
+        // the tolerance is that of fourth-order local steps, 200 per contact
         numbers.push(exact(format!("e = {asked}"), "", asked, found, 1e-3));
     }
     Ok(numbers.into())
@@ -110,8 +110,8 @@ pub const OBLIQUE: ValidationCheck = ValidationCheck {
     measure: oblique,
 };
 
-/// Test 4 of Chung and Ooi: angle of impact [°] from the normal, ratio v_t'/v_t [-] of the tangential velocities after
-/// and before the impact, and spin after the impact [rad/s].
+/// Test 4 of Chung and Ooi: angle [°] between the velocity before the impact and the normal, ratio v_t'/v_t [-] of the
+/// tangential velocities after and before the impact, and spin after the impact [rad/s].
 const TEST_4: [(f64, f64, f64); 13] = [
     (5.0, 0.9481, 19.27),
     (10.0, 0.6870, 213.00),
@@ -134,7 +134,7 @@ fn oblique(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     for (angle, ratio, spin) in TEST_4 {
         let left = rebound(scene, angle, &sets)?;
         // from 35 degrees on the ball slides during the whole contact; the digitised points then deviate from the
-        // closed form by up to 0.003 and 3 rad/s
+        // closed form by up to 0.003 in the ratio and 3 rad/s in the spin
         numbers.push(read_off(format!("v_t'/v_t at {angle}°"), "", (ratio, 0.003), left.ratio, 0.03));
         numbers.push(read_off(format!("spin at {angle}°"), "rad/s", (spin, 3.0), left.spin, 20.0));
         found.push(SeriesPoint::at(angle, left.spin));
@@ -188,8 +188,8 @@ pub const FINITE_ELEMENTS: ValidationCheck = ValidationCheck {
 };
 
 /// Test 5 of Chung and Ooi, by finite elements: v_t/(μ v_n) [-] before the impact, and R ω'/(μ v_n) [-] after it. Here
-/// v_t and v_n are the tangential and the normal velocity before the impact, R is the radius and ω' the spin after the
-/// impact.
+/// v_t and v_n are the tangential and the normal velocity before the impact, μ is the coefficient of friction, R the
+/// radius and ω' the spin after the impact.
 const TEST_5: [(f64, f64); 10] = [
     (0.5954, 0.4056),
     (1.1850, 0.9818),
@@ -209,7 +209,8 @@ fn finite_elements(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let mut simulation = scene.simulation(Model::Soft, None, &steel(slip * 0.3 * 5.0))?;
         run_to(&mut simulation, 1e-7, 1)?;
         let spin = -simulation.particles.spin_of(0).z * 1e-5 / (0.3 * 5.0);
-        // in gross sliding the closed form of R ω'/(μ v_n) is 5, while the digitised points are 4.94 to 4.97
+        // in gross sliding the closed form of R ω'/(μ v_n) is 5, while the digitised points are 4.94 to 4.97. R is the
+        // radius, ω' the spin after the impact, μ the coefficient of friction, v_n the normal velocity
         numbers.push(read_off(format!("R ω'/(μ v_n) at {slip}"), "", (expected, 0.03), spin, 0.25));
         found.push(SeriesPoint::at(slip, spin));
     }
@@ -269,8 +270,8 @@ fn spinning(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let mut simulation = scene.simulation(Model::Soft, None, &sets)?;
         run_to(&mut simulation, 2e-3, 1)?;
         let after = surface_speed(&simulation, 0.1);
-        // in gross sliding β is 3.5 μ (1 + e) v_n/v_st - 1, with normal velocity v_n and slip v_st; the digitised
-        // points deviate from this by 0.003
+        // in gross sliding β is 3.5 μ (1 + e) v_n/v_st - 1, with coefficient of friction μ, restitution e, normal
+        // velocity v_n and slip v_st. The digitised points deviate from this by 0.003
         numbers.push(read_off(format!("β at v_st = {slip:.3} m/s"), "", (expected, 0.005), -after / slip, 0.03));
         found.push(SeriesPoint::at(slip, -after / slip));
     }
@@ -334,7 +335,7 @@ fn opposite_spins(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(vec![
         exact("spin", "rad/s", 21.0, particles.spin_of(0).z, 1e-12),
         exact("velocity across", "m/s", 0.0, particles.velocity[0].y, 1e-15),
-        // 200 steps per contact
+        // the tolerance is that of 200 steps per contact
         exact("velocity along", "m/s", -0.1, particles.velocity[0].x, 1e-4),
     ]
     .into())

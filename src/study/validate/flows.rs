@@ -54,7 +54,7 @@ pub const CHANNEL_GAS: ValidationCheck = ValidationCheck {
 };
 
 fn channel_gas(_: &CheckScene) -> Result<CheckResult, StudyError> {
-    // bulk velocity U_b [m/s], height 2h [m] and viscosity ν [m²/s] of the channel of the paper
+    // bulk velocity U_b [m/s], height 2h [m] and viscosity ν [m²/s] of the channel of the paper (docs/paper.md)
     let (bulk, height, viscosity) = (15.9075, 0.04, 1.515e-5);
     let profile = Profile::k_epsilon_channel(bulk, height, viscosity, TurbulenceModel::LaunderSharma)
         .map_err(StudyError::Failed)?;

@@ -63,7 +63,8 @@ fn hard_gas(scene: &CheckScene) -> Result<CheckResult, StudyError> {
             let time = collide(&mut simulation, 1.0, rate, collisions)?;
             let (pairs, temperature) = (&simulation.record.pairs, temperature(&simulation.particles));
             let found = 2.0 * (pairs.count - before.0) as f64 / (count * time * temperature.sqrt());
-            // the virial of equal elastic spheres of unit mass and diameter: each impact gives d J, with J = m u_n
+            // the virial of equal elastic spheres of unit mass and diameter: each impact gives d J, with the impulse J
+            // = m u_n (u_n: normal relative speed)
             let virial = (pairs.normal_speed.sum() - before.1) / (3.0 * (count - 1.0) * time * temperature);
             Ok([found, virial])
         })?;

@@ -20,8 +20,8 @@ pub(super) struct PlateRebound {
     pub(super) angle: f64,
 }
 
-/// Motion of a soft ball after an impact at `angle` [°] from the normal of the plate. `sets` are changes of keys of the
-/// case.
+/// Motion of a soft ball after an impact; `angle` [°] is that between the velocity before the impact and the normal of
+/// the plate. `sets` are changes of keys of the case.
 pub(super) fn rebound(scene: &CheckScene, angle: f64, sets: &[String]) -> Result<PlateRebound, StudyError> {
     let (sin, cos) = angle.to_radians().sin_cos();
     let mut sets = sets.to_vec();
@@ -39,9 +39,9 @@ pub(super) fn rebound(scene: &CheckScene, angle: f64, sets: &[String]) -> Result
     })
 }
 
-/// Result of MFIX for one impact: angle of impact from the normal [°], ratio of the velocities along the plate after
-/// and before the impact [-], and spin after the impact [rad/s]. The numbers are those of the columns "Part-Wall" in
-/// MFIX's files `POST_COEFF.dat` and `POST_OMEGA.dat`.
+/// Result of MFIX for one impact. It has the angle [°] between the velocity before the impact and the normal, then the
+/// ratio of the velocities along the plate after and before [-], then the spin after the impact [rad/s]. The numbers
+/// are those of the columns "Part-Wall" in MFIX's files `POST_COEFF.dat` and `POST_OMEGA.dat`.
 type StoredImpact = (f64, f64, f64);
 
 const LINEAR: [StoredImpact; 6] = [
@@ -136,8 +136,9 @@ pub const MEASURED: ValidationCheck = ValidationCheck {
     measure: measured,
 };
 
-/// Angle of impact from the normal [°], and measured ratio of the velocities along the plate after and before the
-/// impact [-]. `SPINS` has measured spins [rad/s] instead, and `ANGLES` rebound angles [°].
+/// Angle [°] between the velocity before the impact and the normal, and measured ratio of the velocities along the
+/// plate after and before the impact [-]. `SPINS` has measured spins [rad/s] instead, and `ANGLES` the angles [°]
+/// between the velocity after the impact and the normal.
 const RATIOS: [(f64, f64); 6] =
     [(9.6304, 0.6728), (20.0845, 0.5964), (30.2218, 0.6883), (39.3031, 0.7719), (49.5459, 0.8469), (59.8416, 0.9019)];
 const SPINS: [(f64, f64); 6] = [

@@ -28,7 +28,8 @@ pub const SLIDE_TO_ROLL: ValidationCheck = ValidationCheck {
 
 fn slide_to_roll(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let (speed, radius, gravity) = (0.1, 5e-4, 9.81);
-    // overlap m g/k at rest, so that the ball does not oscillate: 5.2360e-6 kg and 10 kN/m
+    // overlap m g/k at rest (mass m, gravity g, stiffness k), so that the ball does not oscillate: 5.2360e-6 kg and 10
+    // kN/m
     let sunk = 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius * 1e4 * gravity / 1e4;
     let (mut numbers, mut series) = (Vec::new(), Vec::new());
     for (place, friction) in [0.2, 0.5, 1.0].into_iter().enumerate() {
@@ -49,8 +50,9 @@ fn slide_to_roll(scene: &CheckScene) -> Result<CheckResult, StudyError> {
             }
         }
         let [velocity, surface] = rolling(&simulation, radius);
-        // when sliding ends, the stretched spring causes an oscillation of the amplitude μ g sqrt(m/(3.5 k_t)) with its
-        // stiffness k_t, here 1e-4 of the speed, which its dashpot damps
+        // when sliding ends, the stretched spring causes an oscillation of the amplitude μ g sqrt(m/(3.5 k_t)), here
+        // 1e-4 of the speed, which its dashpot damps. The symbols are: coefficient of friction μ, gravity g, mass m,
+        // stiffness k_t of the spring
         let tolerance = 1e-4 * speed;
         numbers.push(exact(format!("v at t_s/2, μ = {friction}"), "m/s", 6.0 / 7.0 * speed, halfway, tolerance));
         numbers.push(exact(format!("v at 2 t_s, μ = {friction}"), "m/s", 5.0 / 7.0 * speed, velocity, tolerance));
@@ -103,7 +105,8 @@ fn dropped_with_spin(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let mut simulation = scene.simulation(Model::Soft, None, &sets)?;
     run_to(&mut simulation, 2.0, 200)?;
     for (name, found) in ["v", "R ω"].into_iter().zip(rolling(&simulation, radius)) {
-        // the lever arm is the radius even while the ball overlaps the floor, so m R v + I ω is conserved
+        // the lever arm is the radius even while the ball overlaps the floor, so m R v + I ω is conserved (mass m,
+        // radius R, velocity v, moment of inertia I, spin ω)
         numbers.push(exact(format!("{name} at the end, soft"), "m/s", 4.0 / 7.0, found, 1e-4));
     }
     Ok(numbers.into())

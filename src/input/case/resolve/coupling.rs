@@ -53,8 +53,8 @@ impl Resolver {
         Ok(Some(Coupling { slices, held, modulation }))
     }
 
-    /// Checks that the scene is symmetric about the axis of the gas flow. Warns if the window (time between two
-    /// exchanges of momentum with the gas) is too long for the coupling.
+    /// Checks that gravity is along the gas flow, because the gas is computed as symmetric about its axis. Warns if the
+    /// window (time between two exchanges of momentum with the gas) is too long for the coupling.
     ///
     /// # Errors
     /// Gravity that is not along the flow of a gas that the particles change.

@@ -12,8 +12,8 @@ use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 
 /// Largest number of windows (times between two exchanges with the gas), or of time steps of all particles, unless the
-/// case allows more. It is about a hundred times the number in the longest run of the reference paper (6.5e6). A run of
-/// a single particle with so many windows takes minutes to hours.
+/// case allows more. It is about a hundred times the number in the longest run of the paper of `docs/paper.md` (6.5e6).
+/// A run of a single particle with so many windows takes minutes to hours.
 pub const MOST: f64 = 1e9;
 
 /// Largest number of time steps if time steps move only particles in contact. With more steps, the length of a step

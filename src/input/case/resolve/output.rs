@@ -7,7 +7,8 @@ use crate::experiment::{Experiment, Trajectories, TrajectoryFormat};
 
 /// [byte] size of a trajectory per particle and frame. A frame contains positions, velocities and five more numbers.
 const BYTES: f64 = 80.0;
-/// [byte] total size of the trajectories of a variant above which the user is warned.
+/// [byte] total size of the trajectories of a variant (the case with one collision model and some settings) above which
+/// the user is warned.
 const MUCH: f64 = 2e10;
 
 impl Resolver {

@@ -17,7 +17,8 @@ use std::ops::ControlFlow;
 const ROUNDING: f64 = 1e-9;
 /// Number of close pairs per particle after which the search for overlaps ends, if it has found an overlap of more than
 /// half a diameter. Close particles are in one cell or in neighbouring cells, one diameter wide. Spheres without
-/// overlap fill at most 0.74 of these 27 cells. Among equal spheres, each then has fewer than 40 others near it.
+/// overlap fill at most 0.74 of these 27 cells. Each of equal spheres then has fewer than 40 other spheres in these
+/// cells.
 const ENOUGH: usize = 100;
 /// [-] largest overlap over the smaller diameter with which the soft engine starts from positions given by the user.
 /// The particles then start within a contact.

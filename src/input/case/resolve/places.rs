@@ -146,8 +146,8 @@ impl Resolver {
         text.parse().map(Some).map_err(refuse)
     }
 
-    /// Warns if a file contains particles of kinds that do not name it, since these particles are then left out.
-    /// `left_out` is the number of such particles of each kind.
+    /// Warns if the file `name` contains particles of kinds whose tables in the case do not name this file, since these
+    /// particles are then left out. `left_out` is the number of such particles of each kind.
     fn warn_of_kinds_left_out(&mut self, name: &Located<String>, kinds: &[Located<ParticlesFile>], left_out: &[usize]) {
         for (kind, count) in kinds.iter().zip(left_out).filter(|(_, count)| **count > 0) {
             let names_it = kind.value.file.as_ref().is_some_and(|file| file.value == name.value);

@@ -137,7 +137,8 @@ impl Resolver {
     }
 
     /// Tangential law that a case gives. If the case gives none, but has Walton's rule with β_0 > 0 and a linear normal
-    /// law, the law is a spring with this tangential restitution β_0. Otherwise the law is friction without memory.
+    /// law, the law is a spring with this tangential restitution β_0. Otherwise the law is Coulomb's friction without a
+    /// spring.
     fn tangential_law(&mut self, file: &CaseFile, soft: &SoftSettings) -> Result<TangentialLaw, Diagnostic> {
         let is_linear = soft.law.is_none_or(|law| law.is_linear());
         let is_viscoelastic = matches!(soft.law, Some(ContactLaw::KuwabaraKono(_)));

@@ -15,7 +15,8 @@ use crate::predict::energy::too_long;
 use crate::scene::{Elasticity, Scene};
 use crate::simulation::soft_step;
 
-/// [-] smallest number of time steps per contact N_c that resolves a contact. Fewer steps are refused.
+/// [-] smallest number of time steps per contact N_c that resolves a contact. Fewer steps are refused, unless the case
+/// allows them.
 const FEWEST_STEPS: f64 = 5.0;
 /// [-] number of steps per contact N_c below which a warning is given (section 3.4 of the paper, see `docs/paper.md`:
 /// steps T_c/50 to T_c/15).
@@ -110,7 +111,8 @@ impl Resolver {
         self.elasticity(typed).map(Some)
     }
 
-    /// Refuses a time step that does not resolve the shortest contact; warns if the step barely resolves it.
+    /// Refuses a time step that does not resolve the shortest contact, unless the case allows it. Warns about an
+    /// allowed step, and about a step that barely resolves the contact.
     pub(super) fn check_step(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let (Some(law), Some(soft)) = (experiment.law(), file.soft.as_ref().map(|soft| &soft.value)) else {
             return Ok(());

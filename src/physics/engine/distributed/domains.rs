@@ -32,13 +32,13 @@ use std::sync::Arc;
 const SEEN: f64 = 4.0;
 
 /// [-] width of the zone from which a process borrows (copies) particles of other processes in the first part (piece of
-/// a window) of a run. The unit is that of [`SEEN`]. In this first part the width that islands need is not yet known.
-/// Case D of the channel study with 10⁶ particles needs 8. With too small a width the part is repeated, which costs as
-/// much as a whole window.
+/// a window) of a run. The unit is that of [`SEEN`]. In this first part the width that islands need is not yet known. A
+/// gas of 10⁶ particles in a channel (case D of docs/paper.md) needs the width 8. With too small a width the part is
+/// repeated, which costs as much as a whole window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
-/// Number of particles per process below which processes do not share uniform steps, because most particles would be
-/// ghosts, copies of particles of other processes.
+/// Number of particles per process below which processes do not share uniform steps, because most stored particles
+/// would then be ghosts, copies of particles of other processes.
 const FEWEST: usize = 200;
 
 /// Division of a run among several processes; `C` is the type of the state that is carried from one interval of time to
@@ -53,7 +53,7 @@ pub struct Domains<C> {
     /// True if each process stores only the particles of its block; false if the lead process stores the particles of
     /// all blocks.
     pub is_cut: bool,
-    /// Contacts in progress (or other carried state) between a particle of this process and one of another process.
+    /// Contacts in progress between a particle of this process and one of another process.
     pub abroad: Vec<CrossRankContact<C>>,
     /// Own data of the lead process, set aside while copies of the particles of all processes replace them. `None` at
     /// other times, and in other processes.
@@ -70,7 +70,7 @@ pub struct LocalParticles<C> {
     /// Number of particles in the store at the start of the part (interval of time), before those of other processes
     /// were copied.
     pub(super) count: usize,
-    /// Contacts in progress (or other carried state) at the start of the part (interval of time): those among own
+    /// Contacts in progress (or recent collisions) at the start of the part (interval of time): those among own
     /// particles, and those between an own particle and one of another process.
     pub(super) lasting: (Vec<C>, Vec<CrossRankContact<C>>),
     /// Index in the store of each stored particle that another process owns, by the id of the particle.
@@ -131,7 +131,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     /// Sends particles that have left the block (region of the box) to the processes that now own them. Copies from
     /// other processes those particles whose flights have their middle within the distance `self.width` of the block.
     /// Flights last `part` [s], in a frame with the velocity `frame` [m/s]. `flight` [m] is the largest distance of a
-    /// flying particle from the middle of its flight. Returns the description of the particles now in the store.
+    /// flying particle from the middle of its flight. First of all, the function raises `self.width` if it is too small
+    /// for `flight`. Returns the description of the particles now in the store.
     pub fn trade<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,
@@ -175,9 +176,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         LocalParticles { mine, count, lasting: before, strangers, complete: agrees, region }
     }
 
-    /// Decides where the particles of this process belong. The first result is, for each particle, true if this process
-    /// owns it. The second result is, for each process, the indices of the particles to be sent there: those that it
-    /// now owns, and those of which it needs copies.
+    /// Decides where the particles of this process belong; the arguments are those of [`trade`](Self::trade). The first
+    /// result is, for each particle, true if this process owns it. The second result is, for each process, the indices
+    /// of the particles to be sent there: those that it now owns, and those of which it needs copies.
     fn sort_out(&self, work: &Work<C>, (frame, part): (Vector3<f64>, f64), flight: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let domain = &work.scene.domain;
         let block = self.block(domain);

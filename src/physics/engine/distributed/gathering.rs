@@ -27,10 +27,9 @@ const SLICE: usize = 1 << 17;
 pub struct GatheredPart<C> {
     /// Own particles of the lead process.
     pub particles: Particles,
-    /// Contacts in progress (or other carried state) among the own particles of the lead process.
+    /// Contacts in progress (or recent collisions) among the own particles of the lead process.
     pub lasting: Vec<C>,
-    /// Contacts in progress (or other carried state) between an own particle of the lead process and a particle of
-    /// another process.
+    /// Contacts in progress between an own particle of the lead process and a particle of another process.
     pub abroad: Vec<CrossRankContact<C>>,
     /// Indices of the own particles that were members of islands (groups of particles that may meet) when islands were
     /// last solved.
@@ -38,7 +37,7 @@ pub struct GatheredPart<C> {
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Distributes all particles and their contacts in progress (or other carried state) from the lead process to the
+    /// Distributes all particles and their contacts in progress (or recent collisions) from the lead process to the
     /// processes that own the blocks (regions of the box). New blocks with about equal numbers of particles are made
     /// first.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
@@ -99,8 +98,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.gathered = self.gather_sample(solver, work, members, every);
     }
 
-    /// Restores the own particles of the lead process and their contacts in progress, after [`gather`](Self::gather)
-    /// has replaced them by copies. Returns false, and changes nothing, if they were not replaced.
+    /// Restores the own particles of the lead process, their contacts in progress and the list `members` of members of
+    /// islands, after [`gather`](Self::gather) has replaced them by copies. Returns false, and changes nothing, if they
+    /// were not replaced.
     pub fn scatter(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
         let Some(part) = self.gathered.take() else { return false };
         (*particles, *lasting, self.abroad, *members) = (part.particles, part.lasting, part.abroad, part.members);
@@ -196,8 +196,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
 }
 
 /// Indices, in ascending order, of the particles whose id is divisible by `every`, and of those in contact with them.
-/// Also returns the contacts of the former particles, with ids instead of indices. `abroad` contains the contacts with
-/// particles of other processes.
+/// Also returns the contacts of the particles with such an id, with ids in place of indices. `abroad` contains the
+/// contacts with particles of other processes.
 fn chosen<S: Solve>(
     work: &Work<S::Carried>,
     abroad: &[CrossRankContact<S::Carried>],

@@ -65,8 +65,8 @@ impl Halo {
 
     /// Sends particles that have left the block (region of the box) to the processes that own their new blocks, and
     /// copies all particles of other processes within `width` [m] of the block. Afterwards the store contains own
-    /// particles and copies, and `work.lasting` their contacts. The lists `own`, `lent` and `borrowed` are filled
-    /// later, by `follow`.
+    /// particles and copies, and `work.lasting` the contacts of own particles. The lists `own`, `lent` and `borrowed`
+    /// are filled later, by `follow`.
     pub fn borrow(domains: &mut Domains<Contact>, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
         let (mine, indices) = domains.borrow::<SoftIslands>(work, width);
         let id = &work.particles.id;
@@ -215,8 +215,8 @@ impl Halo {
         abroad
     }
 
-    /// Packs data for the lead process: ids and positions of the own particles when the neighbour list was built, and
-    /// the forces that are not yet applied.
+    /// Packs data for the lead process: ids of the own particles, their positions at the time when the neighbour list
+    /// was built, and the forces that are not yet applied.
     pub fn packed(&self, pushes: &[ForceBuffer]) -> Vec<u8> {
         let mut due = Vec::new();
         let id = |index: u32| self.seen.id[index as usize];
@@ -234,7 +234,8 @@ impl Halo {
 }
 
 /// Makes, in the lead process, the neighbour list of all particles and the list of forces that are not yet applied,
-/// from the data `parts` of all processes. Sorts the particles and contacts of `work` in the order of that list.
+/// from the data `parts` of all processes. The settings of the list are those of `own`, the list of the lead process.
+/// Sorts the particles and contacts of `work` in the order of the new neighbour list.
 pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Contact>) -> (NeighbourList, ForceBuffer) {
     let index: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
     let mut then = work.particles.clone();

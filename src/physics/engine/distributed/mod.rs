@@ -1,10 +1,10 @@
 //! Several processes that share one run. Each process moves the particles in its domain, a block of the box. The lead
 //! process is process 0. A window is the time between two exchanges with the gas.
 //!
-//! Engines, islands (groups of particles that may meet) and uniform steps are written as for a single process. Where
-//! processes must decide together or exchange particles, the code of this module is called: `Processes` for islands,
-//! `GhostExchange` for uniform steps. For a single process these calls do nothing. A process *owns* the particles in
-//! its block. It *borrows* copies of particles of other processes (ghosts).
+//! Engines, islands (groups of particles that may meet) and uniform steps (all particles move by one Δt) are written as
+//! for a single process. Where processes must decide together or exchange particles, the code of this module is called:
+//! `Processes` for islands, `GhostExchange` for uniform steps. For a single process these calls do nothing. A process
+//! *owns* the particles in its block. It *borrows* copies of particles of other processes (ghosts).
 
 mod agreement;
 mod domains;
@@ -85,7 +85,8 @@ pub trait Distributed: Engine {
 }
 
 /// A solver whose run several processes can share. By default processes share only the islands (groups of particles
-/// that may meet), and the lead process alone moves all particles by the classical algorithm.
+/// that may meet). The lead process alone moves all particles at once by the classical algorithm (uniform steps, or one
+/// event queue).
 pub trait DistributedSolver: Solver {
     /// Limit of the cost (computing time per simulated time) [ns/s] of a single island (group of particles that may
     /// meet), if the solver adapts it from window to window; otherwise `None`. All processes adopt the value of the
@@ -126,14 +127,14 @@ pub trait DistributedSolver: Solver {
     fn scatter(&mut self) {}
 }
 
-/// A contact in progress (or other carried state) between a particle of this process and one of another process.
+/// A contact in progress between a particle of this process and one of another process.
 #[derive(Clone)]
 pub struct CrossRankContact<C> {
     /// The contact, with ids of particles instead of indices, since this process need not store the other particle.
     pub carried: C,
-    /// Index in the store of the particle of this process.
+    /// Index, in the store of this process, of the particle that this process owns.
     pub own: u32,
     /// Overlap of the two bodies at the end of the last interval of motion; it is negative if they are apart. `None` if
-    /// the carried state is no contact, or if another process has sent it since and the overlap is not yet computed.
+    /// another process has sent the contact since and the overlap is not yet computed.
     pub overlap: Option<Overlap>,
 }

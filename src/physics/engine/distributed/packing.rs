@@ -27,9 +27,9 @@ pub fn packed_part<S: Solve>(
     pack(particles, &(0..particles.len() as u32).collect::<Vec<u32>>(), &lasting)
 }
 
-/// Adds to `work` the received contacts (or other carried state) whose particles are all stored in this process, and
+/// Adds to `work` the received contacts (or recent collisions) whose particles are all stored in this process, and
 /// replaces ids by indices. Contacts between a particle of this process and one of another process are not added but
-/// returned.
+/// returned. Contacts without a particle of this process are left out.
 pub fn add_received_contacts<S: Solve>(
     lasting: Vec<S::Carried>,
     work: &mut Work<S::Carried>,
@@ -39,7 +39,7 @@ pub fn add_received_contacts<S: Solve>(
     for carried in lasting {
         let here: Vec<Option<u32>> = S::indices(&carried).iter().flatten().map(|id| indices.get(id).copied()).collect();
         match here.iter().flatten().next() {
-            // for state between two processes, the overlap is computed at the end of the next part
+            // for a contact between two processes, the overlap is computed at the end of the next interval of motion
             Some(&own) if here.iter().any(Option::is_none) => {
                 abroad.push(CrossRankContact { carried, own, overlap: None })
             }
@@ -99,7 +99,7 @@ pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles)
     Some(lasting)
 }
 
-/// Copies contacts in progress (or other carried state), with ids of particles instead of indices.
+/// Copies contacts in progress (or recent collisions), with ids of particles instead of indices.
 pub fn ids_of<'a, S: Solve>(particles: &Particles, lasting: impl Iterator<Item = &'a S::Carried>) -> Vec<S::Carried>
 where
     S::Carried: 'a,

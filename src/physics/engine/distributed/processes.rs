@@ -66,7 +66,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_ref().is_none_or(Domains::is_lead)
     }
 
-    /// Contacts in progress (or other carried state) between a particle of this process and one of another process.
+    /// Contacts in progress between a particle of this process and one of another process.
     pub fn abroad(&self) -> &[CrossRankContact<C>] {
         self.domains.as_ref().map_or(&[], |domains| &domains.abroad)
     }
@@ -90,7 +90,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
 
     /// Completes the sum of the energies [J] of contacts. Before the call, `sum` contains the energies of contacts
     /// among own particles, and afterwards those of all contacts in all processes. `energy` returns the energy of a
-    /// contact. Does nothing for a single process.
+    /// contact. Does nothing if one process stores all particles.
     pub fn add_energy(&self, sum: &mut ExactSum, energy: impl Fn(&C) -> f64) {
         if let Some(domains) = self.cut_domains().filter(|_| !self.is_shown()) {
             // half, since both processes count it

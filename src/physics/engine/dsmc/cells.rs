@@ -42,7 +42,7 @@ const DENSEST: f64 = 0.74;
 /// particles can be gives the open part of the cell, within about a tenth of the cell.
 const LATTICE: usize = 6;
 
-/// Largest number of cells along an axis that the program chooses. It limits the memory in a nearly empty box.
+/// Largest number of cells that the program chooses along an axis. This number limits the memory in a nearly empty box.
 const MOST_CELLS: f64 = 1024.0;
 
 /// Number of cells that a thread treats as one piece of work.

@@ -34,7 +34,7 @@ pub struct CellState<'a> {
 #[derive(Default)]
 pub struct CellCollisions {
     /// Index in the store, new velocity [m/s] and new spin [rad/s] of each particle that collided. If a particle is
-    /// listed twice, the later entry is valid.
+    /// listed more than once, its last entry is valid.
     pub changed: Vec<(u32, Vector3<f64>, Vector3<f64>)>,
     /// Impacts and energies of the collisions, for the record of the run.
     pub log: Log,

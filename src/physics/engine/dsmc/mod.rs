@@ -149,8 +149,9 @@ impl Dsmc {
         if longest.is_nan() { Err(NotFinite) } else { Ok(longest) }
     }
 
-    /// Moves the particles through a window (time between two exchanges with the gas). If steps are shorter than the
-    /// window, it is divided into steps; if they are longer, several windows share one collision step.
+    /// Moves the particles through a window (time between two exchanges with the gas). If the longest step between
+    /// collisions is shorter than two windows, the window is divided into one or more steps. Otherwise several windows
+    /// share one collision step.
     fn run(&mut self, particles: &mut Particles, scene: &Scene, window: Window, log: &mut Log) -> Result<(), Failure> {
         let h = window.duration;
         let longest = self.longest_step(particles, scene);

@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 const COLLAPSE_STREAK: u8 = 200;
 
 /// [-] length of a flight divided by the longest edge of the box, below which the flight is unresolvably short.
-/// Coordinates are rounded to 2e-16 of the box at every collision. After a shorter flight, rounding determines which
-/// body a sphere meets next.
+/// Coordinates are rounded to 2e-16 of the box at every collision. After a flight below the limit, rounding determines
+/// which body a sphere meets next.
 const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 /// Number of successive flights of a particle, each shorter than the one before, after which an unresolvably short
@@ -72,9 +72,9 @@ impl LastCollision {
         Self { last, ..Self::default() }
     }
 
-    /// Adds a collision at simulated time `time` [s] to the history of the particle. Returns `None` normally, and the
-    /// time [s] since the particle's previous collision if the collisions show an inelastic collapse. `contact_time`
-    /// [s] is that of the TC model, in which a collision is elastic soon after another one; `None` without this model.
+    /// Adds a collision at simulated time `time` [s] to the history of the particle. Returns the time [s] since the
+    /// particle's previous collision if the collisions show an inelastic collapse, otherwise `None`. `contact_time` [s]
+    /// is that of the TC model, in which a collision is elastic soon after another one; `None` without this model.
     pub fn note(&mut self, collision: &Collision, scene: &Scene, time: f64, contact_time: Option<f64>) -> Option<f64> {
         let interval = time - self.last;
         let flown = collision.approach().abs() * interval;
@@ -105,8 +105,8 @@ pub fn sliding(collision: &Collision, scene: &Scene) -> Option<f64> {
 /// message.
 #[derive(Clone, Copy, Debug)]
 pub struct Collapsed {
-    /// Number of impacts of the particle since the start of its window (time between two exchanges with the gas),
-    /// island or flight.
+    /// Number of impacts of the particle in this window (time between two exchanges with the gas), without those in
+    /// islands that were solved before.
     pub impacts: u32,
     /// [s] time between the last two impacts of the particle.
     pub interval: f64,

@@ -25,8 +25,9 @@ impl Collision {
     /// Computes the impulse (change of momentum) of particle `i`, and changes the spins of both bodies in `particles`.
     /// The impulse is J_n **n** - **J**_t, with the normal **n** from the other body to `i`. J_n is (1+e) M |u_n|, with
     /// the restitution e and the normal velocity u_n. **J**_t is parallel to the slip, the tangential velocity of the
-    /// surface of `i` relative to the other surface. The scene's impact rule gives its magnitude. The spin of each body
-    /// changes by l **n** × **J**_t/I, with its lever arm l and its moment of inertia I (docs/rotation.md).
+    /// surface of `i` relative to the other surface. The scene's impact rule gives the magnitude of **J**_t. The spin
+    /// of each body changes by l **n** × **J**_t/I, with its lever arm l and its moment of inertia I
+    /// (docs/rotation.md).
     ///
     /// The tuple contains J_n [kg m/s], the effective mass M [kg], and the distance [m] of the centres at touch (the
     /// radius at a wall). Without spins, slip or friction the impulse is J_n **n**, and no spin changes.

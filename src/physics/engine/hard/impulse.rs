@@ -49,7 +49,7 @@ impl Deref for ParticleAccess<'_> {
 }
 
 impl ParticleAccess<'_> {
-    /// The store, with spins that may be changed; `None` if other threads read it.
+    /// The store, whose spins may then be changed; `None` if other threads read the store at the same time.
     fn exclusive(&mut self) -> Option<&mut Particles> {
         match self {
             Self::Exclusive(particles) => Some(particles),

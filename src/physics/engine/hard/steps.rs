@@ -18,12 +18,12 @@ use std::f64::consts::PI;
 /// Hard spheres with time steps. Particles fly for a step Δt. Then every two bodies (two particles, or a particle and a
 /// wall) that overlap and approach each other receive the impulse of hard spheres. Positions are not corrected.
 ///
-/// The step is Δt < θ d/u_r (section 3.4 of the paper), with the diameter d and the mean normal speed u_r = sqrt(8
-/// q²/(3π)) of one particle relative to another. This is Eq. 8 of the paper, corrected: in the paper, q² is outside the
-/// square root. In each time window the step is computed from the agitation q², half the mean square of the velocities
-/// of all particles relative to their mean velocity along the walls. The method misses grazing collisions that begin
-/// and end within a step, computes collisions up to Δt late, and leaves overlaps. It is included to show these errors.
-/// Missed collisions are counted, and impacts record the overlaps.
+/// The step is Δt < θ d/u_r (section 3.4 of the paper), with a chosen number θ, the smallest diameter d and the mean
+/// normal speed u_r = sqrt(8 q²/(3π)) of one particle relative to another. This is Eq. 8 of the paper, corrected: in
+/// the paper, q² is outside the square root. In each time window the step is computed from the agitation q², half the
+/// mean square of the velocities of all particles relative to their mean velocity along the walls. The method misses
+/// grazing collisions that begin and end within a step, computes collisions up to Δt late, and leaves overlaps. It is
+/// included to show these errors. Missed collisions are counted, and impacts record the overlaps.
 pub struct SteppedHard {
     theta: f64,
     list: NeighbourList,
@@ -38,8 +38,8 @@ impl SteppedHard {
     }
 
     /// Longest time step θ d/u_r [s], with the step criterion θ = `theta`, that the engine takes in a window of
-    /// `duration` [s], the time between two exchanges with the gas. It is infinite if no particle moves relative to the
-    /// others or to a wall.
+    /// `duration` [s], the time between two exchanges with the gas. It is infinite if no particle moves relative to
+    /// other particles or to a wall.
     ///
     /// d is the smallest diameter, and u_r follows from the agitation of the velocities relative to their mean along
     /// the walls. The mean velocity perpendicular to a wall is included, and the velocity that gravity adds until the

@@ -87,7 +87,7 @@ pub struct Solved {
     pub impacts: Range<usize>,
     pub ways: Range<usize>,
     pub ledger: Ledger,
-    /// Number of collisions (hard spheres), or of time steps of contacts (soft spheres).
+    /// Number of collisions (hard spheres), or of time steps of contacts (soft and hybrid spheres).
     pub events: u64,
     /// Number of collisions in the hybrid engine, which counts the time steps of its contacts in `events`.
     pub impulses: u64,

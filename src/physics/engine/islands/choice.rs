@@ -89,8 +89,8 @@ pub struct PartCosts {
 }
 
 /// Costs of islands that are found by bounds on the flights of their members
-/// ([`BoundedIslands`](super::BoundedIslands)). In case D of the channel study, islands have up to 20 particles for
-/// parts (intervals of time) of 0.5 ms, and up to 200 for parts of 0.7 ms.
+/// ([`BoundedIslands`](super::BoundedIslands)). In a gas of particles in a channel (case D of docs/paper.md), islands
+/// have up to 20 particles for parts (intervals of time) of 0.5 ms, and up to 200 for parts of 0.7 ms.
 pub const BOUNDED: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400.0, reach: 1.5, crowded: 0.25 };
 
 /// Costs of islands that are found by the trajectories of their members ([`TracedIslands`](super::TracedIslands)). In

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Amounts of work done in islands since the start of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IslandCounters {
-    /// Number of collisions (hard spheres), or of time steps of contacts (soft spheres).
+    /// Number of collisions (hard spheres), or of time steps of contacts (soft and hybrid spheres).
     pub events: u64,
     /// Number of collisions in the hybrid engine, which counts the time steps of its contacts in `events`.
     pub impulses: u64,
@@ -37,7 +37,7 @@ pub struct IslandCounters {
     /// Number of members of the largest island that was solved.
     pub largest: u64,
     /// Number of islands whose result was discarded, because a particle met an unexpected particle or exceeded its
-    /// speed limit.
+    /// speed limit, or because the island cost too much and became a crowd.
     pub redone: u64,
 }
 

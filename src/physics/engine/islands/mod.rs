@@ -90,7 +90,8 @@ pub trait Solve: Sync {
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
     /// True if the engine can solve crowds. A crowd is an island without a list of pairs, which is moved by uniform
-    /// steps. It has more than [`LARGEST_ISLAND`] particles, or it contains all contacts in progress if these are many.
+    /// steps. It has more than [`LARGEST_ISLAND`] particles, or cost too much with such a list, or contains all
+    /// contacts in progress if these are many.
     fn takes_crowds(&self) -> bool {
         false
     }

@@ -88,7 +88,8 @@ impl Backoff {
 
     /// Compares the cost of islands between the counts `before` and `after` with the cost `fallback_cost` of uniform
     /// steps. If islands cost more, a pause begins that is twice as long as the previous pause, up to `LONGEST`.
-    /// Otherwise the stored length of the previous pause is halved.
+    /// Otherwise the stored length of the previous pause is halved. Does nothing if islands were not tried between
+    /// `before` and `after`.
     pub fn judge(&mut self, before: &IslandCounters, after: &IslandCounters, fallback_cost: &Rival) {
         if after.neighbour_builds == before.neighbour_builds {
             // islands were not tried in this window

@@ -20,8 +20,8 @@ pub fn overlap_limit(flat: bool) -> f64 {
     if flat { 1.0 } else { 0.5 }
 }
 
-/// [-] ratio of the length of a step to the radius of the sphere, below which the step is short. In a short step a
-/// sphere cannot pass a surface without too large an overlap at the start or the end of the step.
+/// [-] ratio of the path of a sphere in one step to its radius, below which the step is short. In a short step a sphere
+/// cannot pass a surface without too large an overlap at the start or the end of the step.
 pub const SHORT: f64 = 0.4;
 
 /// Failure of the particle at index `i`, whose centre passes through wall `wall` within one step, reported for `time`

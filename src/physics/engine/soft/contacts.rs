@@ -138,14 +138,14 @@ pub struct Contacts {
     lasting: Vec<Contact>,
     /// Contacts that began in the last predicted state of a Runge-Kutta stage, in the order of the neighbour list.
     foreseen: Vec<Contact>,
-    /// [J] elastic energy stored in all contacts.
+    /// [J] elastic energy stored in all contacts; computed only for Heun's method, otherwise 0.
     elastic_energy: f64,
     /// Powers and wall forces of the last kick (change of velocities by forces). Its second half is recorded in the
     /// next window.
     rates: Rates,
     /// [W] parts of the friction power of the last kick (change of velocities by forces), by cause.
     losses: FrictionLosses,
-    /// Sums over all steps of the window so far.
+    /// Sums of powers and forces over all steps since they were last recorded.
     total: ContactSums,
     /// Working memory of an evaluation, used if there is a single block.
     scratch: BlockScratch,
@@ -157,7 +157,7 @@ pub struct Due {
     /// Contacts that began in the last predicted state of a Runge-Kutta stage, in the order of the neighbour list.
     /// Their forces have already acted, so their speed of approach is that of the predicted state.
     foreseen: Vec<Contact>,
-    /// [J] elastic energy stored in all contacts.
+    /// [J] elastic energy stored in all contacts; computed only for Heun's method, otherwise 0.
     elastic_energy: f64,
     /// Powers and wall forces of the last kick (change of velocities by forces), whose second half is recorded in the
     /// next window.
@@ -352,8 +352,9 @@ impl Contacts {
         }
     }
 
-    /// Finds overlaps, begins and ends contacts, and writes the contact forces into `pushes`. Returns counts of the
-    /// work done, or an error if an overlap is too large or a centre has passed the other body.
+    /// Finds overlaps, begins and ends contacts, and writes the contact forces into `pushes`. Impacts that have ended
+    /// are added to `book`. Returns counts of the work done, or an error if an overlap is too large or a centre has
+    /// passed the other body.
     pub fn evaluate(
         &mut self,
         view: ContactSearch,

@@ -249,9 +249,9 @@ impl PerTorque<'_> {
 const FEW: usize = 1024;
 
 /// Applies the forces to all particles: v += a `dt` [s], and changes the spins by the torques. `common` [kg] is the
-/// mass of each particle if all masses are equal. Each velocity is changed by one thread only, which applies its forces
-/// in the order of the neighbour list. Returns the largest speed [m/s], relative to `frame` [m/s], that a particle had
-/// after a force was applied.
+/// mass of each particle if masses, radii and moments of inertia are equal for all, otherwise `None`. Each velocity is
+/// changed by one thread only, which applies its forces in the order of the neighbour list. Returns the largest speed
+/// [m/s], relative to `frame` [m/s], that a particle had after a force was applied.
 pub fn kick_all(
     pushes: &[ForceBuffer],
     (particles, common): (&mut Particles, Option<f64>),

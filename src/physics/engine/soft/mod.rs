@@ -54,8 +54,8 @@ const UNIFORM_COST: f64 = 5.0;
 ///
 /// Uniform stepping is velocity Verlet in its kick-drift-kick form, in which two successive half-kicks are one kick.
 /// Within a window, velocities are therefore those of half steps, and forces are applied only to particles in contact.
-/// The dashpot uses the half-step velocity. This is stable for ω_0 Δt < 2(sqrt(1+ζ²) - ζ), with the undamped angular
-/// frequency ω_0 and damping ratio ζ of a contact. Heun's method (RK2) serves the comparisons in docs/paper.md.
+/// The dashpot uses the half-step velocity. This scheme is stable for ω_0 Δt < 2(sqrt(1+ζ²) - ζ), with the undamped
+/// angular frequency ω_0 and damping ratio ζ of a contact. Heun's method (RK2) serves the comparisons in docs/paper.md.
 pub type Soft = Driver<SoftSolver>;
 
 /// Solver of soft spheres: islands by local stepping, all particles at once by uniform stepping.

@@ -49,7 +49,7 @@ pub struct AlongNormal {
     pub force: f64,
     /// [N] first moment of the force about the middle of the step, divided by the squared length of the step.
     pub force_moment: f64,
-    /// [N m] normal force times the distance of the centres, for the virial of pairs.
+    /// [N m] normal force times the distance of the centres, as a mean over the step, for the virial of pairs.
     pub virial: f64,
 }
 

@@ -67,9 +67,9 @@ impl Clearance {
         }
     }
 
-    /// Finds the cells in which particles may be. `is_free` must return true for a point [m] where particles may be,
-    /// except on the surface. It is called once for each connected group of cells without triangles. `beyond` is true
-    /// if particles may be outside the box around the mesh.
+    /// Finds the cells in which particles may be. `is_free` must return true for a point [m] where particles may be. It
+    /// is called with one point for each connected group of cells without triangles, so never with a point on the
+    /// surface. `beyond` is true if particles may be outside the box around the mesh.
     pub fn find_free(&mut self, beyond: bool, is_free: impl Fn(&Vector3<f64>) -> bool) {
         self.is_free_beyond = beyond;
         let mut seen: Vec<bool> = self.away.iter().map(|away| *away == 0).collect();

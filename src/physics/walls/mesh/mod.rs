@@ -86,8 +86,9 @@ impl TrianglePoint {
 impl Mesh {
     /// Makes a wall of triangles, given by their corners [m]; `name` is its name in results. With `None` for `sides`, a
     /// closed surface is a solid body, and an open surface is a thin sheet with particles on both sides. Also returns
-    /// the defects of the triangles. Degenerate, duplicate and wrongly facing triangles are corrected; open, crowded
-    /// and twisted edges remain.
+    /// the defects of the triangles. Degenerate and duplicate triangles are removed, and wrongly facing triangles
+    /// flipped. Edges with one triangle or with more than two remain, and so do edges whose triangles cannot face the
+    /// same way.
     ///
     /// # Errors
     /// If the triangles do not form a wall of this type.

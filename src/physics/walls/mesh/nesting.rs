@@ -28,7 +28,8 @@ pub struct Nested {
     /// Number of outermost parts that were removed. These parts are the outer surfaces of the thick walls of vessels
     /// that contain the particles.
     pub skins: usize,
-    /// Number of solid bodies inside a vessel: parts whose triangles face the same way as those of the vessel.
+    /// Number of solid bodies inside a vessel: parts whose triangles face, as given, the same way as those of the
+    /// vessel.
     pub bodies: usize,
     /// Number of parts that lie only partly inside another part, which is a defect of the drawing.
     pub crossing: usize,

@@ -94,8 +94,8 @@ impl OpenEnds {
     }
 
     /// Table that contains, for each corner on the upper plane, the matching corner on the lower plane, if there is
-    /// one. Every corner must lie on an edge of the other plane after a shift by one period; otherwise the edges do not
-    /// match.
+    /// one. Every corner must lie on an edge of the other plane after a shift by one period; otherwise the result is an
+    /// error.
     fn matched(&self) -> Result<FxHashMap<[u64; 3], Vector3<f64>>, Mismatch> {
         let shift = Vector3::from_fn(|k, _| if k == self.axis { self.period } else { 0.0 });
         let upper: Vec<Edge> = self.edges[1].iter().map(|edge| edge.map(|corner| corner - shift)).collect();

@@ -75,8 +75,8 @@ impl Mesh {
         Nearest { distance, normal: if distance > 0.0 { out / distance } else { face.normal } }
     }
 
-    /// Calls `visit` for each touch of a sphere and one triangle up to `until` [s]. The arguments of `visit` are the
-    /// time [s], and the touched face, edge or corner.
+    /// Calls `visit` for each touch of a sphere and the triangle with the index `number` up to `until` [s]. The
+    /// arguments of `visit` are the time [s], and the touched face, edge or corner.
     fn touches(
         &self,
         number: u32,
@@ -116,8 +116,8 @@ impl Mesh {
     }
 }
 
-/// [s] time at which a sphere touches the face of a triangle from the side of the normal; `None` if the sphere misses
-/// the face.
+/// [s] time at which a sphere touches the face of a triangle from the side of the normal; `None` if the sphere does not
+/// touch the face until `until` [s].
 fn on_face(
     normal: &Vector3<f64>,
     (face, corners): (&Face, &[Vector3<f64>; 3]),
@@ -182,8 +182,8 @@ fn on_edge([from, to]: [Vector3<f64>; 2], flight: &Flight, radius: f64) -> Optio
 }
 
 /// [s] time at which a sphere in flight with gravity touches the edge between two points [m] of a convex part of the
-/// surface. The end points are included. If the sphere touches an end point, its number (0 or 1) is also returned.
-/// `None` without a touch.
+/// surface. The end points are included. If the sphere touches an end point, the number of this point (0 or 1) is also
+/// returned. `None` without a touch until `until` [s].
 fn on_bar(ends: [Vector3<f64>; 2], flight: &Flight, radius: f64, until: f64) -> Option<(f64, Option<usize>)> {
     let along = ends[1] - ends[0];
     let share = |point: &Vector3<f64>| ((point - ends[0]).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);

@@ -2,9 +2,9 @@
 //!
 //! In the frame of the shape the flight is no parabola. On an arc (a short piece of the flight) of the duration τ, it
 //! differs by at most J τ³/6 from the parabola with the same position, velocity and acceleration at the beginning. Here
-//! J bounds the third derivative. An enlarged sphere, with a radius greater by this distance, that moves on the
-//! parabola touches no later than the sphere itself. Before that touch there is certainly no contact, and the next arc
-//! begins at the instant of that touch.
+//! J bounds the third derivative of the position. An enlarged sphere, with a radius greater by this distance, that
+//! moves on the parabola touches no later than the sphere itself. Before that touch there is certainly no contact, and
+//! the next arc begins at the instant of that touch.
 
 use super::MovingShape;
 use crate::walls::{Flight, Touch};
@@ -29,7 +29,7 @@ const WHOLE: f64 = 0.5;
 const AHEAD: f64 = 1.5;
 
 /// [rad] largest rotation of a shape during one arc (short piece of a flight). It keeps the bound of the third
-/// derivative from being far too large.
+/// derivative of the position from being far too large.
 const TURN: f64 = 0.5;
 
 /// First touch for contact number `which` of a moving shape, as

@@ -1,9 +1,9 @@
 //! Walls whose shape moves: translation, vibration, a path, or rotation about an axis.
 //!
-//! The motion is an exact function of time. For a servo wall, which keeps the pressure on it, this holds only within a
-//! window (time between two exchanges with the gas). A [`Scene`](crate::scene::Scene) belongs to an instant, and so
-//! does the geometry of its walls ([`Wall::move_to`]). The functions of a wall also give its state at the time `ahead`
-//! [s] after that instant.
+//! The motion is an exact function of time. For a servo wall, which moves so that particles press on it with a given
+//! pressure, this holds only within a window (time between two exchanges with the gas). A
+//! [`Scene`](crate::scene::Scene) belongs to an instant, and so does the geometry of its walls ([`Wall::move_to`]). The
+//! functions of a wall also give its state at the time `ahead` [s] after that instant.
 
 mod arcs;
 mod motion;
@@ -26,7 +26,7 @@ use vibrating_plane::VibratingGap;
 /// A shape with the law of its motion, and the instant for which the geometry of the wall is valid.
 #[derive(Clone, Debug, Serialize)]
 pub struct MovingShape {
-    /// Shape of the wall where the case puts it, without displacement.
+    /// Shape of the wall where the case (input file) puts it, without displacement.
     pub(super) shape: Arc<WallGeometry>,
     /// Law of the motion of the shape, as a function of the simulated time.
     motion: PrescribedMotion,
@@ -77,7 +77,7 @@ impl MovingShape {
         self.motion.largest_speed(self.arm)
     }
 
-    /// [m] bound of the distance by which a point of the shape moves within `duration` [s].
+    /// [m] upper limit of the distance by which a point of the shape moves within `duration` [s].
     pub fn travel(&self, duration: f64) -> f64 {
         let speed = self.largest_speed();
         let way = if speed == 0.0 { 0.0 } else { speed * duration };
@@ -89,8 +89,8 @@ impl MovingShape {
     ///
     /// Seen from the shape, the distance of the sphere from its position in the middle of the flight is |v| h + |a|
     /// h²/2 + J h³/6 at most. Here h is half the duration; v and a are velocity and acceleration in the middle, and J
-    /// bounds the third derivative. On a path, whose velocity jumps, the largest speed of the shape is added to the
-    /// speed of the sphere.
+    /// bounds the third derivative of the position. On a path, whose velocity jumps, the largest speed of the shape is
+    /// added to the speed of the sphere.
     pub fn may_reach(&self, flight: &Flight, radius: f64, duration: f64) -> bool {
         let half = 0.5 * duration;
         let middle = flight.from(half);

@@ -9,9 +9,9 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Prescribed motion of the shape of a wall. The wall is where its case puts it, displaced by d(t), or turned about an
-/// axis. All kinds but [`Turning`](Self::Turning) are translations without rotation. For [`Servo`](Self::Servo) the
-/// case prescribes a pressure, and d(t) is known until the end of the present window only.
+/// Prescribed motion of the shape of a wall. The shape is at the place that its case (input file) gives, displaced by
+/// d(t) or turned about an axis. All kinds but [`Turning`](Self::Turning) are translations without rotation. For
+/// [`Servo`](Self::Servo) the case prescribes a pressure, and d(t) is known until the end of the present window only.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PrescribedMotion {
@@ -61,8 +61,8 @@ impl PrescribedMotion {
         }
     }
 
-    /// [m/s²] rate at which the [`velocity`](Self::velocity) at one place changes at `time` [s]. It is zero for a
-    /// steady rotation, and on a path, whose velocity jumps at the knots.
+    /// [m/s²] rate at which the [`velocity`](Self::velocity) at one place changes at `time` [s]. It is zero for all
+    /// motions except a vibration; the jumps of the velocity at the knots of a path are left out.
     pub fn acceleration(&self, time: f64) -> Vector3<f64> {
         match self {
             Self::Translation { .. } | Self::Path(_) | Self::Turning(_) | Self::Servo(_) => Vector3::zeros(),

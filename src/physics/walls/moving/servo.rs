@@ -3,9 +3,10 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Motion of a plane on which particles shall press with a given pressure. Its speed along the normal is V = (p -
-/// p_m)/c, with the target pressure p, the measured pressure p_m, and the damping c (da Cruz et al. 2005, Phys. Rev. E
-/// 72, 021309, eq. 2). The speed is constant between two measurements.
+/// Motion of a plane on which particles shall press with a given pressure. The speed of the plane along its normal is V
+/// = (p - p_m)/c, with the target pressure p, the measured pressure p_m, and the damping c (da Cruz et al. 2005, Phys.
+/// Rev. E 72, 021309, eq. 2). Its magnitude is limited to `largest_speed`. The speed is constant between two
+/// measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ServoMotion {
     /// [-] unit normal of the plane, which points to the particles.

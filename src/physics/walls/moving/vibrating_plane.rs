@@ -211,8 +211,8 @@ mod tests {
 
     #[test]
     fn a_sphere_that_leaves_does_not_touch_again_at_once() {
-        // the plate moves up at 1 and the sphere at 1.5: it comes back after about 2 (1.5 - 1)/(2 - 0), more exactly
-        // where 0.5 t - t² + (t - sin t) = 0
+        // the plate moves up at 1 and the sphere at 1.5: the sphere comes back after about 2 (1.5 - 1)/(2 - 0), more
+        // exactly where 0.5 t - t² + (t - sin t) = 0
         let flight = VibratingGap { speed: 1.5, ..falling(-1e-17, 0.0, -2.0, 0.0) };
         let touch = flight.first_touch(10.0, 1e-15).expect("comes back");
         assert!(touch > 0.4 && (1.5 * touch - touch * touch - touch.sin()).abs() < 1e-15, "{touch}");

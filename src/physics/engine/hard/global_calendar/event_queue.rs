@@ -3,7 +3,7 @@
 //! The queue contains one event per particle; its time is that in the particle's [`NextEvents`]. Each bin covers an
 //! equal interval of time and contains only particle indices. The bins form a ring that is used again and again. If the
 //! event of a particle changes, its outdated entry is not removed from its bin. When the time of a bin comes, outdated
-//! entries are skipped, and the others are sorted.
+//! entries are skipped, and all other entries are sorted.
 
 use super::append;
 use super::bins::Bins;
@@ -106,9 +106,9 @@ impl EventQueue {
         }
     }
 
-    /// Empties the queue, and chooses the interval of its bins for a few events that are mostly earlier than `end` [s].
-    /// These events are then inserted. The present time is `now` [s]. Both times are counted from the epoch (zero of
-    /// the calendar's time).
+    /// Empties the queue, and chooses the interval of its bins for a few events, which the caller then inserts. Of
+    /// these, the events before `end` [s] will be processed. The present time is `now` [s]. Both times are counted from
+    /// the epoch (zero of the calendar's time).
     pub fn restart(&mut self, now: f64, end: f64) {
         self.near.clear();
         self.later.clear();

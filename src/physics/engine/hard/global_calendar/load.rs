@@ -370,9 +370,10 @@ fn across(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     vector - along_walls(scene, vector)
 }
 
-/// [m/s] velocity of the frame of the calendar: usually the mean velocity of the particles along the walls. If the
-/// particles fly as a layer, faster than they move relative to one another, the frame follows the layer also towards
-/// the walls. If it did not, each particle would soon leave its shell (ball in which its neighbour list is valid).
+/// [m/s] velocity of the frame of the calendar: the mean velocity of the particles along the walls. There is one
+/// exception, if gravity points towards walls or walls move. If the particles then fly as a layer, faster than they
+/// move relative to one another, the frame follows the layer also towards the walls. If it did not, each particle would
+/// soon leave its shell (ball in which its neighbour list is valid).
 fn frame_velocity(particles: &Particles, scene: &Scene) -> Vector3<f64> {
     if !is_built_each_epoch(scene) {
         return along_walls(scene, particles.mean_velocity());

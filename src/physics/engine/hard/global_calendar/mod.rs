@@ -10,7 +10,8 @@
 //! store at the end of each window. If velocities in the store have changed when the next window begins, for instance
 //! by drag, all events are predicted again.
 //!
-//! Several threads share the events of many particles without kicks ([`rounds`]).
+//! Several threads can share the events if there are at least 20,000 particles, and if no drag or other kick changes
+//! velocities between windows. They do so in rounds, short pieces of time ([`rounds`]).
 
 mod approach;
 mod bins;
@@ -160,19 +161,19 @@ pub struct GlobalCalendar {
     /// parts.
     #[serde(skip)]
     border: Round,
-    /// [m] distance to the surface of its shell at which a particle is to get a new shell. It may fly on by this
-    /// distance during a round (piece of time in which several threads process events); new shells are made after the
-    /// round.
+    /// [m] distance to the surface of its shell at which a particle is to get a new shell. The particle may fly on by
+    /// this distance during a round (piece of time in which several threads process events); new shells are made after
+    /// the round.
     #[serde(skip)]
     slack: f64,
-    /// [s] time after the next exit of a particle from its shell, for which its touches are predicted while several
-    /// threads share the events.
+    /// [s] length of the time, after the next exit of a particle from its shell, in which touches of the particle are
+    /// still predicted; used while several threads share the events.
     #[serde(skip)]
     grace: f64,
-    /// [m/s] speed that no particle may exceed in a round.
+    /// [m/s] speed that no particle may exceed in a round (piece of time in which several threads process events).
     #[serde(skip)]
     speed: f64,
-    /// [s] length of a round.
+    /// [s] length of a round (piece of time in which several threads process events).
     #[serde(skip)]
     round: f64,
     /// [s] time since the epoch (zero of the calendar's time) at which new shells were last made between rounds.

@@ -16,7 +16,7 @@ pub struct FlightState {
     /// [m/s] velocity of the particle in the frame that falls with gravity.
     pub velocity: Vector3<f64>,
     /// [s] time since the epoch (zero of the calendar's time) at which the particle is at `position`. The flight begins
-    /// at this time, usually with a collision.
+    /// at this time, for instance with a collision.
     pub time: f64,
     /// Number of the particle's combination of radius and mass in `Shells::kinds`.
     pub kind: u32,

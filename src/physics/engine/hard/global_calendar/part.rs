@@ -15,7 +15,7 @@ use crate::record::{Log, Record};
 use nalgebra::Vector3;
 use prefetch_index::prefetch_index;
 
-/// Numbers of collisions and of predictions.
+/// Numbers of collisions, and of times of touch that were computed to predict collisions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EventCounts {
     /// Number of collisions.
@@ -46,7 +46,7 @@ pub struct Part<'a> {
     pub span: CalendarWindow,
     /// Log of the collisions.
     pub log: &'a mut Log,
-    /// Numbers of collisions and predictions since the part was made.
+    /// Numbers of collisions and of computed times of touch since the part was made.
     pub counts: EventCounts,
     /// The round in which several threads process events; `None` if only one thread does.
     pub round: Option<&'a mut Round>,
@@ -75,7 +75,7 @@ impl Part<'_> {
         Some(index)
     }
 
-    /// Processes the events up to the time `stop` [s] since the epoch, and then returns `None`. Returns early with the
+    /// Processes the events before the time `stop` [s] since the epoch, and then returns `None`. Returns early with the
     /// index of a particle that leaves its shell (ball in which its neighbour list is valid) and therefore needs a new
     /// one. `before` is the number of collisions of the run so far.
     pub fn run(&mut self, stop: f64, record: &mut Record, before: u64) -> Result<Option<u32>, Failure> {
@@ -136,10 +136,11 @@ impl Part<'_> {
         self.around.shells.neighbours(&events.shell).iter().for_each(|&k| prefetch_index(&*self.bodies, self.place(k)));
     }
 
-    /// Processes the next event of the particle at `index`. If the partner of a touch has collided meanwhile, the event
-    /// is void, and the second event replaces it if one is stored. In all other cases the next events of the particles
-    /// that took part are predicted. Returns true if the particle leaves its shell (ball in which its neighbour list is
-    /// valid) and needs a new one at once.
+    /// Processes the next event of the particle at `index`. Returns true, without a prediction, if the particle leaves
+    /// its shell (ball in which its neighbour list is valid) and needs a new one at once. If the partner of a touch has
+    /// collided meanwhile, the event is void, and the second event replaces it if one is stored. The second event also
+    /// follows an exit from a shell during a round (piece of time shared by threads). Otherwise the next events of the
+    /// particles that took part are predicted.
     #[inline]
     pub fn event(&mut self, index: u32) -> Result<bool, Failure> {
         let place = self.place(index);
@@ -235,8 +236,8 @@ impl Part<'_> {
         self.enqueue(index);
     }
 
-    /// Puts the next event of a particle into the event queue. Events after the horizon, the time up to which events
-    /// are predicted, are left out.
+    /// Puts the next event of a particle into the event queue. Events at or after the horizon, the time up to which
+    /// events are predicted, are left out.
     #[inline]
     pub fn enqueue(&mut self, index: u32) {
         if self.next_events[self.place(index)].time < self.around.horizon {

@@ -274,8 +274,8 @@ impl<'a> Flights<'a> {
     }
 
     /// Time [s] from now until a particle leaves its shell (ball in which its neighbour list is valid) with the centre
-    /// `centre` [m]. While several threads share the events, the exit counts at the distance `slack` inside the
-    /// surface. The time is infinite if the particle does not move in the falling frame.
+    /// `centre` [m]. While several threads share the events, the exit is taken at the distance `slack` [m] inside the
+    /// surface of the shell. The time is infinite if the particle does not move in the falling frame.
     fn leave(&self, body: &FlightState, centre: &Vector3<f64>) -> f64 {
         let (margin, domain) = (self.around.shells.margin - self.around.slack, &self.around.scene.domain);
         let from = domain.nearest_image(&(body.position_at(self.now) - centre));

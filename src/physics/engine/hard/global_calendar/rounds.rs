@@ -13,9 +13,9 @@
 //! repeated with a shorter length. This is rare, because few particles have two events in a round. The time of a touch
 //! depends only on two flights, so the results are bit for bit those of a single thread.
 //!
-//! Particles get new shells between rounds. A particle gets one when it has come near the surface of its shell. Until
-//! then it may fly on by a small distance, which is left for this purpose. If a particle becomes so fast that it may
-//! fly farther, the round is undone, and one thread repeats it.
+//! Particles get new shells between rounds. A particle that comes near the surface of its shell during a round gets a
+//! new shell after that round or a later one. Until it gets one, it may fly on by a small distance, which is left for
+//! this purpose. If a particle becomes so fast that it may fly farther, the round is undone, and one thread repeats it.
 
 use super::division::Division;
 use super::event_queue::{EventQueue, EventTable};
@@ -39,11 +39,12 @@ use crate::work_sharing;
 const FEWEST: usize = 10_000;
 
 /// [-] distance to the surface of its shell at which a particle is to get a new shell, over the margin. The margin is
-/// the largest distance of a particle from the centre of its shell. The particle may fly on by the small distance until
-/// the next new shells are made.
+/// the largest distance of a particle from the centre of its shell. The particle may fly on by this distance to the
+/// surface until the next new shells are made.
 const SLACK: f64 = 0.08;
 
-/// [-] speed that no particle may exceed in a round, over the largest speed when the particles were divided.
+/// [-] speed that no particle may exceed in a round, divided by the largest speed of any particle. That largest speed
+/// is computed when the particles are divided, and again after every [`RENEWALS`] makings of new shells.
 const FASTER: f64 = 1.25;
 
 /// [-] factor by which rounds become longer after each successful round with few collisions.
@@ -61,7 +62,8 @@ const SHORTEST: f64 = 1e-3;
 /// states that are stored to undo a round.
 const PER_COLLISION: usize = 128;
 
-/// Number of failures of a round after which one thread processes the events of this round.
+/// Largest number of failures after which a round is tried again; after one more failure, one thread processes its
+/// events.
 const ATTEMPTS: u32 = 3;
 
 /// Number of times that new shells are made between rounds before the largest speed is computed again.
@@ -84,7 +86,7 @@ pub struct Round {
     pub undo: Undo,
     /// Collisions of the round, with their amounts for the ledger.
     pub records: Records,
-    /// Numbers of collisions and of predictions.
+    /// Numbers of collisions and of computed times of touch in this round.
     pub counts: EventCounts,
     /// [m/s] speed that no particle may exceed in the round.
     pub speed: f64,
@@ -152,7 +154,7 @@ impl PartState {
             all.predict_into(body, events);
             round.counts.touch_times += u64::from(events.shell.count());
             let neighbours = all.around.shells.neighbours(&events.shell).iter();
-            // a particle that was predicted twice may have had a flight of which this prediction knows nothing
+            // a particle that was predicted twice may have had a flight that this prediction does not include
             let had_others = |j: &&u32| same.len() > 1 || all.bodies[**j as usize].time > round.start;
             let unknown = neighbours.filter(|j| !own.contains(j)).filter(had_others);
             let late = unknown.filter_map(|&j| all.may_have_touched(body, j, round.start, round.speed));

@@ -191,7 +191,7 @@ impl Shells {
     }
 
     /// Makes the grids of cells and sorts the centres of all shells into them. Snapshots of a run do not contain the
-    /// grids, so this is also done when a run is resumed.
+    /// grids, so the grids are also made when a run is resumed.
     pub fn fill_cells(&mut self, next_events: &[NextEvents], bodies: &[FlightState], domain: &Domain) {
         self.largest = self.kinds.iter().fold(0.0, |most: f64, kind| most.max(kind.radius));
         self.smallest = self.kinds.iter().fold(f64::INFINITY, |least: f64, kind| least.min(kind.radius));

@@ -98,8 +98,8 @@ impl GlobalCalendar {
     }
 
     /// Velocities [m/s] of the particles after a kick (change of velocities, for instance by drag), for their flights
-    /// in the event queue. If such a flight goes on beyond a sheared side, the velocity is that beyond the side. The
-    /// crossing is then removed from the ledger (sums of energies of the run).
+    /// in the event queue. If such a flight goes on beyond a sheared side, the change of velocity by the crossing of
+    /// this side is subtracted. The crossing is then removed from the ledger (sums of energies of the run).
     pub(super) fn velocities_after_kick<'a>(&self, work: &'a mut Work<Recent>) -> Cow<'a, [Vector3<f64>]> {
         if work.scene.domain.shear.is_none() {
             return Cow::Borrowed(&work.particles.velocity);

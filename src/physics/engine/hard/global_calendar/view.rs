@@ -31,13 +31,15 @@ pub struct CalendarView<'a> {
     pub ids: &'a [u32],
     /// True for each periodic axis along which two particles may touch through images other than the nearest.
     pub far_images: [bool; 3],
-    /// Contact time [s] of the TC model, in which a collision is elastic soon after another one; `None` without it.
+    /// Contact time [s] of the TC model, in which a collision is elastic soon after another one; `None` without this
+    /// model.
     pub contact_time: Option<f64>,
     /// [m] distance to the surface of its shell at which a particle is to get a new shell. It is 0 unless several
     /// threads share the events. They make new shells only at the end of a round, and until then a particle may fly on
     /// by this distance.
     pub slack: f64,
-    /// [s] time after the exit of a particle from its shell, for which its touches are predicted if `slack` is above 0.
+    /// [s] length of the time, after the exit of a particle from its shell, in which touches of the particle are still
+    /// predicted; used if `slack` is above 0.
     pub grace: f64,
     /// Clock that receives the progress of the run.
     pub clock: &'a Clock,

@@ -12,9 +12,9 @@ use crate::neighbours::cells::CellGrid;
 use crate::work_sharing;
 use std::ops::{Deref, DerefMut};
 
-/// Number of contacts in progress above which all of them form one crowd, an island moved by uniform steps. In a step
-/// of a usual island a contact costs four times as much as in a uniform step. With so many contacts, some particles
-/// touch at any time, so an island of them would need steps all the time.
+/// Number of contacts in progress above which all of them form one crowd (an island moved by uniform steps), in engines
+/// that take crowds. In a local step of another island a contact costs four times as much as in a uniform step. With so
+/// many contacts, some particles touch at any time, so an island of them would need steps all the time.
 const MANY_CONTACTS: usize = 16;
 
 /// Number of islands whose surroundings a thread searches in one piece of work.

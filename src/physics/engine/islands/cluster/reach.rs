@@ -62,9 +62,9 @@ pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, index: u32) -> 
 
 impl Clusters<'_> {
     /// Speed limit [m/s] of a member of an island, relative to the moving frame: the lesser of two bounds. One bound
-    /// follows from the two largest energies in the island, the other from the two largest speeds. Both bounds are
-    /// exact for two particles. Among more particles a speed may exceed them; the island is then solved again with a
-    /// higher limit.
+    /// follows from the two largest energies in the island, the other from the two largest speeds. Two particles alone
+    /// never exceed either bound. Among more particles a speed may exceed both bounds; the island is then solved again
+    /// with a higher limit.
     ///
     /// The two most energetic particles may give all their energy to one particle, which gives the first bound. For the
     /// second, let the two fastest have the speeds s₁ ≥ s₂. Their centre of mass is not faster than s₁, and relative to

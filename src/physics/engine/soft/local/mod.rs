@@ -211,15 +211,15 @@ struct IslandRun<'a, I> {
     window: Window,
     particles: &'a mut Particles,
     now: f64,
-    /// The two bodies of the last instantaneous touch, until their velocities have been checked against the speed
-    /// limits; `None` after the check.
+    /// The two bodies of the last instantaneous touch, or of the last touch at which a rough wall turned a velocity.
+    /// `None` after their velocities have been checked against the speed limits.
     struck: Option<Couple>,
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
     /// Moves the island until `end` [s], or until a particle exceeds its speed limit (the bound with which islands were
     /// found) or is touched without being a member. Returns the local index of that particle; `None` if the island has
-    /// reached `end`.
+    /// reached `end`. It is an error if the island costs too much or the engine fails.
     fn until(&mut self, end: f64) -> Result<Option<usize>, GivenUp> {
         self.update_gaps();
         while self.now < end {
@@ -329,8 +329,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scratch.gaps = gaps;
     }
 
-    /// Makes one step of up to `dt` [s], which ends at the first instant at which a contact begins or ends. Before and
-    /// after the step, `gaps` contains the present gaps.
+    /// Makes one step of up to `dt` [s], which ends at the first instant at which a contact begins or ends, or at which
+    /// a spring starts or stops sliding. Before and after the step, `gaps` contains the present gaps.
     fn step(&mut self, dt: f64) -> Result<(), Failure> {
         self.scratch.position.clone_from(&self.particles.position);
         self.scratch.velocity.clone_from(&self.particles.velocity);

@@ -152,7 +152,8 @@ impl SpringMotion {
         stiffness * self.grown * self.velocity.norm() * time > self.friction * (elastic + viscous)
     }
 
-    /// True if the spring has a memory: its stiffness and its limit are above zero.
+    /// True if the spring has a memory: its friction coefficient is above zero, and so is its stiffness, at once or as
+    /// soon as the overlap grows.
     pub fn remembers(&self) -> bool {
         let stiff = match &self.resistance {
             Some(resistance) => resistance.spring.stiffness > 0.0,

@@ -69,7 +69,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         rates
     }
 
-    /// Ends the contact of the slot `slot` (candidate) if there is one; otherwise begins a contact there.
+    /// Ends the contact of the slot `slot` (candidate) if there is one; otherwise begins a contact there, or applies an
+    /// impulse if the touch is instantaneous.
     pub(super) fn turn(&mut self, slot: usize) {
         match self.scratch.contacts.iter().position(|c| c.slot as usize == slot) {
             None => self.open(slot),
