@@ -173,7 +173,7 @@ pub struct Parameter {
     pub name: &'static str,
     /// Symbol of the parameter in formulas.
     pub symbol: &'static str,
-    /// Value of the parameter, in the SI unit `unit`.
+    /// Value of the parameter in SI units: the unit is `unit`.
     pub value: f64,
     /// SI unit of the value.
     pub unit: &'static str,
