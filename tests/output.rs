@@ -1,6 +1,7 @@
 //! Output files with made-up results. The tests check the form of the files, not the physics.
 
 use crate::made_up::{outcome, outcomes, provenance, with_study, write};
+use crate::support::{diptych, words};
 use diptych::drag::{Drag, Stokes};
 use diptych::engine::Failure;
 use diptych::experiment::*;
@@ -338,5 +339,21 @@ fn units_of_columns_are_those_of_the_python_package() {
         let key = column.unit.replace('/', "_").replace('²', "2").replace('³', "3");
         let line = text.lines().find(|line| line.trim_start().starts_with(&format!("\"{key}\": ["))).unwrap();
         assert!(line.contains(&format!("\"{}\"", column.name)), "{}: {line}", column.name);
+    }
+}
+
+/// A report links to the table of every measurement, also of a run with many measurements.
+#[test]
+fn a_run_with_many_measurements_links_to_all_tables() {
+    let out = tempfile::tempdir().unwrap();
+    let folder = out.path().join("gas");
+    let arguments = ["run", "observables", "--quiet", "--set", "run.duration=10 ms", "--set", "run.average_from=0 s"];
+    let done = diptych(&[&arguments[..], &["--out", folder.to_str().unwrap()]].concat()).output().unwrap();
+    assert!(done.status.success(), "{}", words(&done.stderr));
+    let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
+    let tables: Vec<String> = names(&folder).into_iter().filter(|name| name.ends_with(".csv")).collect();
+    assert!(tables.len() > 8, "{tables:?}");
+    for table in tables {
+        assert!(html.contains(&format!("href=\"{table}\"")), "{table}");
     }
 }

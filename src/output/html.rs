@@ -125,6 +125,10 @@ fn again(document: &Document) -> Vec<Markup> {
     inside
 }
 
+/// Largest number of tables whose files a page links to at its top. A run with all its measurements has fewer. The
+/// sections of a study with more tables name their files.
+const MOST_LINKS: usize = 24;
+
 /// Links to the parts of the page, and to the files with tables of numbers.
 fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
     html! {
@@ -136,9 +140,7 @@ fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
                     a href={ "#" (file_name(fold.title)) } { (fold.title) }
                 }
             }
-            // a page with more than eight tables has no links here, such as that of a study of limits, whose sections
-            // name their tables
-            @if (1..=8).contains(&tables.len()) {
+            @if (1..=MOST_LINKS).contains(&tables.len()) {
                 p {
                     "Numbers: "
                     @for (k, (name, _)) in tables.iter().enumerate() {
