@@ -42,8 +42,8 @@ pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
 }
 
 /// Legendre polynomials of the parity `parity` at the positions `places`, which extend from -1 to 1. Each row is one
-/// polynomial; the first even one is constant. The polynomials are orthogonal on these positions, with a mean square of
-/// 1. With few positions there are fewer polynomials. The first `skip` polynomials are left out, because their
+/// polynomial; the first even one is constant. The polynomials are orthogonal on these positions, and their mean square
+/// is one. With few positions there are fewer polynomials. The first `skip` polynomials are left out, because their
 /// coefficients vanish.
 pub fn shapes(places: &[f64], parity: Parity, skip: usize) -> Vec<Vec<f64>> {
     let (first, step, wanted) = match parity {
