@@ -350,9 +350,9 @@ pub struct DsmcSettings {
 pub enum HardStepping {
     /// Collisions happen at the exact instants of touch, which are stored in an event queue.
     Events,
-    /// Collisions are found as overlaps at the ends of time steps Δt < θ d/u_r (section 3.4 of the paper, see
-    /// `docs/paper.md`). d is the diameter, and u_r the mean magnitude of the normal component of the relative
-    /// velocity.
+    /// Search for collisions as overlaps at the ends of time steps Δt < θ d/u_r (section 3.4 of the paper, see
+    /// `docs/paper.md`). d is the smallest diameter, and u_r the mean magnitude of the normal component of the relative
+    /// velocity of two particles.
     Steps {
         /// [-] number θ in the bound Δt < θ d/u_r. Here d is the smallest diameter, and u_r the mean magnitude of the
         /// normal component of the relative velocity. With a smaller θ fewer collisions are missed.

@@ -74,7 +74,8 @@ pub fn validation_answers(study: &ValidationStudy) -> String {
     text(&[overview(study)])
 }
 
-/// Table of all rows of the suite. From each row it contains the number that deviates most.
+/// Table with one row per comparison of the suite. Each row shows, of the numbers of its comparison, the one that
+/// deviates most, with its reference and the verdict.
 fn overview(study: &ValidationStudy) -> Block {
     let row = |row: &ValidationRow| -> TextRow {
         let worst = row.worst();

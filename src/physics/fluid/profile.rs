@@ -198,7 +198,7 @@ impl Profile {
         }
     }
 
-    /// Friction velocity and viscous length of the flow; `None` for a profile without walls.
+    /// Friction velocity and viscous length of the flow; `None` for a uniform or a tabulated profile.
     pub fn wall_scale(&self) -> Option<WallScale> {
         let (friction_velocity, viscosity) = match self {
             Self::Uniform(_) | Self::Tabulated(_) => return None,

@@ -18,7 +18,7 @@ fn first(count: usize) -> usize {
     (1 << count.min(LANES)) - 1
 }
 
-/// Comparison of one ball with several others, each of which occupies one lane of a vector.
+/// Test for overlap of one ball with eight others, each of which occupies one lane (position) of a vector.
 pub trait Lanes: Copy {
     /// Vector of the processor with one number per lane (position in the vector).
     type Wide: Copy;

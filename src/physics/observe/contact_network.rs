@@ -70,7 +70,7 @@ impl ContactLine {
 struct NetworkSample {
     /// [s] simulated time of the sample.
     time: f64,
-    /// Number of particles with k contacts, in the entry k.
+    /// Number of particles with k contacts, in the entry k; the last entry also counts particles with more contacts.
     by_contacts: Vec<u64>,
     /// Sum over all particles of the number of their contacts.
     ends: u64,

@@ -13,7 +13,8 @@ use nalgebra::{Matrix3, Vector3};
 /// rows a dense scene takes 9 % longer.
 const BATCH: usize = 32;
 
-/// Powers [W] and forces [N] of one contact, in the order of [`OF_PAIRS`] or [`AT_WALLS`].
+/// Contributions of one contact to the sums, in the order of [`OF_PAIRS`] or [`AT_WALLS`]: powers [W], and for a pair
+/// the virial (products of arm and force) [N m], or for a wall forces [N].
 type SumRow = [f64; SOME];
 
 /// Powers [W] at which the springs of one contact lose energy, in the order of [`OF_SPRINGS`].

@@ -97,7 +97,7 @@ pub(super) fn first_touch(
 
 /// First touch of a sphere that is enlarged by the largest deviation from its parabola.
 struct EnlargedTouch {
-    /// Number of the surface feature that is touched.
+    /// Number of the piece of the surface that is touched, such as a triangle; 0 if the surface has no pieces.
     feature: u32,
     /// [m] lower limit of the gap between the sphere itself and the shape: the enlargement less the deviation so far.
     gap: f64,

@@ -121,8 +121,8 @@ impl Shell {
 }
 
 impl Shells {
-    /// Makes shells about the positions [m] of all particles, which must be inside the box, and their neighbour lists.
-    /// `at_wall` is true, by index, for the particles that may touch a wall within their shell.
+    /// Makes the shells and the neighbour lists of all particles, whose positions [m] must be inside the box. `at_wall`
+    /// is true, by index, for the particles that may touch a wall within their shell.
     pub fn build(&mut self, next_events: &mut [NextEvents], bodies: &[FlightState], domain: &Domain, at_wall: &[bool]) {
         for ((entry, body), &at_wall) in next_events.iter_mut().zip(bodies).zip(at_wall) {
             entry.shell = Shell { centre: rounded(&body.position), at_wall, ..Shell::default() };
