@@ -5,7 +5,7 @@ use crate::experiment::{Amount, AverageFrom, Experiment, HardStepping, Model, Ti
 use crate::fluid::{EddyLaw, Fluid, Profile};
 use crate::rotation::ResistanceFriction;
 use crate::scene::{Inlet, Kind, Meeting, Outlet, OutletShape, Scene, Surface};
-use crate::walls::Wall;
+use crate::walls::{Hollow, Wall};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
@@ -66,15 +66,21 @@ fn outlet(outlet: &Outlet) -> Value {
         OutletShape::Behind(plane) => {
             ("plane", json!({ "point": three(&plane.point), "normal": three(&plane.normal) }))
         }
-        OutletShape::Body(body) => ("body", json!(body)),
+        OutletShape::Body(body) => ("body", room(body)),
         OutletShape::Mesh(mesh) => ("mesh", json!(mesh.as_ref())),
     };
     json!({ "name": outlet.name, key: shape })
 }
 
+/// Shape of a hollow body as JSON, without its sides, which follow from the shape.
+fn room(body: &Hollow) -> Value {
+    json!(body)["room"].take()
+}
+
 /// Inlet as JSON, with the name of its species. An inlet that never ends has no end.
 fn inlet(inlet: &Inlet, scene: &Scene) -> Value {
     let mut value = json!(inlet);
+    value["region"] = room(&inlet.region);
     value["species"] = json!(scene.species.get(usize::from(inlet.species)).map(|species| &species.name));
     value
 }
@@ -276,7 +282,7 @@ mod tests {
     #[test]
     fn parameters_name_what_the_case_sets() {
         let rows = [
-            ("driven/chute.toml", None, &["/inlets/0/species", "/outlets/0/name"][..]),
+            ("driven/chute.toml", None, &["/inlets/0/species", "/inlets/0/region/box/center", "/outlets/0/name"][..]),
             ("coupling/channel-d.toml", None, &["/fluid/coupling/slices"]),
             ("dense-gas.toml", Some(Model::Dsmc), &["/dsmc/enskog"]),
             ("dense-gas.toml", Some(Model::Hybrid), &["/hybrid/clearance"]),
