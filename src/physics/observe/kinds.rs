@@ -137,6 +137,14 @@ fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> O
     Batches::pool(&all?, by_runs)
 }
 
+/// Mean of pairs of a value and its weight; `near` without weights. The result is `near` without rounding if all values
+/// are equal to `near`.
+fn weighted_mean(near: f64, values: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let add = |(sum, all): (f64, f64), (value, weight): (f64, f64)| (sum + weight * (value - near), all + weight);
+    let (sum, all) = values.fold((0.0, 0.0), add);
+    if all > 0.0 { near + sum / all } else { near }
+}
+
 impl KindAverages {
     /// Averages over several replicas (runs with different seeds), with the impacts of all of them. If `by_runs` is
     /// true, each run is one block for the errors, as in [`Batches::pool`]. Curves over time are those of the first
@@ -145,7 +153,7 @@ impl KindAverages {
         let Some((first, others)) = runs.split_first() else { return Self::default() };
         let species = first.species.iter().enumerate().map(|(place, own)| {
             let each = || runs.iter().filter_map(|run| run.species.get(place));
-            let mean = |of: fn(&SpeciesAverages) -> f64| each().map(of).sum::<f64>() / each().count().max(1) as f64;
+            let mean = |of: fn(&SpeciesAverages) -> f64| weighted_mean(of(own), each().map(|one| (of(one), 1.0)));
             SpeciesAverages {
                 // inlets and outlets make the numbers of particles differ between the runs
                 count: mean(|one| one.count as f64).round() as usize,
@@ -189,7 +197,10 @@ impl MeetingAverages {
             count,
             rate: Estimate::mean_of(runs.iter().map(|run| run.map_or(never, |one| one.rate))),
             normal_speed: weighted(|one| one.normal_speed),
-            restitution_asked: weighted(|one| Some(one.restitution_asked)).unwrap_or(first.restitution_asked),
+            restitution_asked: weighted_mean(
+                first.restitution_asked,
+                met().map(|one| (one.restitution_asked, one.count as f64)),
+            ),
             // mean of the ratios of energies after and before, weighted by the numbers of impacts; impacts of one pair
             // of kinds have similar energies
             restitution: weighted(|one| one.restitution.map(|e| e * e)).filter(|square| *square > 0.0).map(f64::sqrt),
@@ -410,4 +421,29 @@ impl Observer for Kinds {
     }
 
     plain_data!();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Impacts of two kinds with this number of impacts and this prescribed restitution.
+    fn met(count: u64, restitution_asked: f64) -> MeetingAverages {
+        let between = ["a", "b"].map(String::from);
+        MeetingAverages { between, count, rate: None, normal_speed: None, restitution_asked, restitution: None }
+    }
+
+    /// A prescribed restitution is pooled by the numbers of impacts, and stays as it is if all runs have the same.
+    #[test]
+    fn prescribed_restitutions_are_pooled() {
+        let runs = [met(67, 0.8), met(75, 0.8), met(3, 0.8)];
+        assert_eq!(
+            MeetingAverages::pool(&runs[0], &[Some(&runs[0]), Some(&runs[1]), Some(&runs[2])]).restitution_asked,
+            0.8
+        );
+        let runs = [met(1, 0.5), met(3, 0.7)];
+        let pooled = MeetingAverages::pool(&runs[0], &[Some(&runs[0]), None, Some(&runs[1])]).restitution_asked;
+        assert!((pooled - 0.65).abs() < 1e-15, "{pooled}");
+        assert_eq!(weighted_mean(0.3, std::iter::empty()), 0.3);
+    }
 }
