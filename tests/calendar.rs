@@ -184,6 +184,20 @@ fn threads_that_share_the_events_leave_no_trace() {
 }
 
 #[test]
+fn threads_share_the_events_of_spheres_of_two_sizes() {
+    // up to a ratio of two all shells are in one grid, in which each thread has cells of its own
+    for small in [0.6, 0.3] {
+        let (scene, mut start) = gas(20_000, 0.45, 9);
+        for index in (0..start.len()).step_by(2) {
+            start.radius[index] *= small;
+            start.mass[index] *= f64::powi(small, 3);
+        }
+        let simulations = on_threads(&scene, &start, 0.1);
+        assert!(simulations[0].record.pairs.count > 5_000, "{}", simulations[0].record.pairs.count);
+    }
+}
+
+#[test]
 fn a_round_is_repeated_if_a_sphere_becomes_too_fast() {
     let edge = edge(20_000, 1.0, 0.45);
     let mut scene = empty([edge; 3], [true, false, true], unit(), surface(0.95, 0.0));

@@ -97,6 +97,18 @@ fn models_that_a_scene_cannot_have_are_named_with_the_reason() {
     }
 }
 
+/// Without gravity there is no buoyancy, but a bead that drag accelerates has added mass.
+#[test]
+fn added_mass_is_studied_without_gravity() {
+    let gravity = FALL.find("[gravity]").unwrap()..FALL.find("[fluid]").unwrap();
+    let mut weightless = FALL.replace('@', WATER);
+    weightless.replace_range(gravity, "");
+    let (code, said, _) = needs(&weightless, &["--plan"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("added: half the displaced gas as added mass"), "{said}");
+    assert!(!said.contains("left out: buoyancy"), "{said}");
+}
+
 /// Inclined facets that a case has are one of the models that are left out.
 #[test]
 fn inclined_facets_are_left_out() {

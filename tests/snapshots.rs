@@ -268,7 +268,7 @@ fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observ
 /// Number of the storage layout, and checksum of the stored data of a run before its first window, with every model and
 /// observer. Only the types define the meaning of these bytes. If the types change without the number, older files are
 /// misread.
-const LAYOUT: (&str, u32) = ("43", 2_862_047_386);
+const LAYOUT: (&str, u32) = ("44", 3_726_779_765);
 
 #[test]
 fn types_that_are_stored_change_with_the_number_of_the_layout_only() {

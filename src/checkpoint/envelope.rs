@@ -9,7 +9,7 @@ const MAGIC: &[u8] = b"diptych checkpoint\n";
 
 /// Version of the layout of the data. This number must be raised whenever a stored type or the arithmetic of a run
 /// changes, because the file does not describe its types.
-const LAYOUT: u32 = 43;
+const LAYOUT: u32 = 44;
 
 /// Length of the checksum at the end of a file, in bytes.
 const CHECKSUM: usize = size_of::<u32>();

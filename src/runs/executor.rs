@@ -38,6 +38,9 @@ pub trait RunResult: Send + Sized {
     /// Result from the bytes that another process has sent. `None` if the bytes are the final state of the run and the
     /// data of its observers.
     fn from_bytes(bytes: &[u8]) -> Option<Self>;
+
+    /// True if the run has been simulated to its end.
+    fn is_complete(&self) -> bool;
 }
 
 impl RunResult for Outcome {
@@ -51,6 +54,10 @@ impl RunResult for Outcome {
 
     fn from_bytes(_: &[u8]) -> Option<Self> {
         None
+    }
+
+    fn is_complete(&self) -> bool {
+        self.failure.is_none()
     }
 }
 
@@ -260,7 +267,7 @@ impl<R: RunResult> RunList for ResumableRuns<'_, R> {
 
     fn answer_of_another(&self, index: usize, bytes: &[u8]) -> Result<R, StudyError> {
         if let Some(result) = R::from_bytes(bytes) {
-            self.progress.ended_elsewhere(index);
+            self.progress.ended_elsewhere(index, result.is_complete());
             return Ok(result);
         }
         // the outcome is computed from the received final data, like that of a run that had ended before the command

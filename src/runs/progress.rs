@@ -184,12 +184,10 @@ impl Progress {
         }
     }
 
-    /// Records that another process has ended the run with the index `run`. The run counts as simulated to its full
-    /// duration.
-    pub fn ended_elsewhere(&self, run: usize) {
-        let mut board = lock(&self.board);
-        let duration = board.runs[run].duration;
-        board.end(run, duration);
+    /// Records that another process has ended the run with the index `run`. A complete run counts as simulated to its
+    /// full duration, a failed one to the time that was last reported.
+    pub fn ended_elsewhere(&self, run: usize, is_complete: bool) {
+        lock(&self.board).end_elsewhere(run, is_complete);
     }
 
     /// Indices of the runs in progress, each with the simulated time [s] that the run has reached.
@@ -275,6 +273,15 @@ impl Board {
 
     /// Records that the run with the index `run` has ended at the simulated time `time` [s]. If this is the full
     /// duration of the run, a line is printed unless the display is silent.
+    fn end_elsewhere(&mut self, run: usize, is_complete: bool) {
+        let time = match &self.runs[run].stage {
+            _ if is_complete => self.runs[run].duration,
+            RunStage::Running(track) => track.reached.time(),
+            RunStage::Waiting | RunStage::Over(_) => 0.0,
+        };
+        self.end(run, time);
+    }
+
     fn end(&mut self, run: usize, time: f64) {
         let wall = match &self.runs[run].stage {
             RunStage::Running(track) => track.began.elapsed().as_secs_f64(),
@@ -360,8 +367,7 @@ pub fn span(seconds: f64) -> String {
     HumanDuration(Duration::from_secs_f64(seconds.min(LONGEST))).to_string()
 }
 
-/// [-] completed share of a run of the length `duration` [s] that has reached `time` [s]. The share is exactly 1 at the
-/// end, although the time is a sum of many steps and has rounding errors.
+/// [-] share of a run of `duration` [s] that is simulated at `time` [s], exactly 1 at the end despite rounding errors.
 fn share(time: f64, duration: f64) -> f64 {
     if duration > 0.0 { (time * (1.0 + 1e-9) / duration).min(1.0) } else { 1.0 }
 }
@@ -470,6 +476,15 @@ mod tests {
         assert!((left - 130.0).abs() < 1.0, "{left}");
         let (done, text) = board.line(1);
         assert!((done - 0.375).abs() < 1e-6 && text.starts_with("all 4 runs: 1 done, about 2 minutes left"), "{text}");
+    }
+
+    #[test]
+    fn a_run_that_fails_in_another_process_is_not_complete() {
+        for (is_complete, time) in [(true, 2.0), (false, 0.5)] {
+            let mut board = board(vec![running(Model::Soft, 2.0, 0.5, 30.0)], ProgressDisplay::Lines);
+            board.end_elsewhere(0, is_complete);
+            assert!(matches!(board.runs[0].stage, RunStage::Over([reached, _]) if reached == time));
+        }
     }
 
     /// Checks that the present speed of a run is the recent one: the run simulated its first nine tenths quickly and is

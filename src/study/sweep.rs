@@ -131,6 +131,10 @@ impl RunResult for SweepRun {
     fn from_bytes(bytes: &[u8]) -> Option<Self> {
         postcard::from_bytes(bytes).ok()
     }
+
+    fn is_complete(&self) -> bool {
+        self.failure.is_none()
+    }
 }
 
 /// Error of a sweep that the user has stopped after `done` of the `wanted` runs.

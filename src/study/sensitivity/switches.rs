@@ -228,15 +228,15 @@ fn lift(experiment: &Experiment) -> Richer {
 }
 
 fn buoyancy(experiment: &Experiment) -> Richer {
-    let has_both = |fluid: &Fluid| {
-        fluid.buoyancy.is_some() && experiment.scene.species.iter().all(|species| species.added_density > 0.0)
-    };
-    match &experiment.scene.fluid {
-        None => Richer::No("there is no gas"),
-        Some(_) if experiment.scene.gravity == Vector3::zeros() => Richer::No("there is no gravity"),
-        Some(fluid) if has_both(fluid) => Richer::Has,
-        Some(_) => sets(&["fluid.buoyancy=true", "fluid.added_mass=true"], "half the displaced gas as added mass"),
+    let Some(fluid) = &experiment.scene.fluid else { return Richer::No("there is no gas") };
+    // without gravity there is no buoyancy, but accelerated particles still have added mass
+    let has_gravity = experiment.scene.gravity != Vector3::zeros();
+    let has_added_mass = experiment.scene.species.iter().all(|species| species.added_density > 0.0);
+    if has_added_mass && (fluid.buoyancy.is_some() || !has_gravity) {
+        return Richer::Has;
     }
+    let keys: &[&str] = if has_gravity { &["fluid.buoyancy=true"] } else { &[] };
+    sets(&[keys, &["fluid.added_mass=true"]].concat(), "half the displaced gas as added mass")
 }
 
 impl<'a> SensitivityPlan<'a> {

@@ -3,14 +3,15 @@
 
 use crate::domain::Domain;
 use nalgebra::Vector3;
-use std::num::NonZeroU32;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// [-] bound on the rounding error of lengths in single precision (centres of shells, edges of the box), divided by the
 /// longest edge of the box.
 pub const ROUNDING: f64 = 1e-6;
 
 /// Grid of cells with the centres of shells (balls in which neighbour lists are valid). Each cell has a linked list of
-/// centres, so one centre can change its cell while all others stay where they are.
+/// centres, so one centre can change its cell while all others stay where they are. Several threads may move centres at
+/// the same time, if no two of them use the same cell ([`Territories`](super::territories::Territories)).
 #[derive(Clone, Debug, Default)]
 pub struct ShellGrid {
     count: [usize; 3],
@@ -25,25 +26,57 @@ pub struct ShellGrid {
     half: [f32; 3],
     /// [m] bound on the rounding error of distances, which are computed in single precision.
     rounding: f32,
-    /// Start of the linked list of shell centres in each cell.
-    first: Vec<CellLink>,
+    /// Start of the linked list of shell centres in each cell: a particle index plus one, or 0 if the cell is empty.
+    first: Vec<AtomicNumber>,
     /// Centre of the shell of each particle with its place in the linked list of its cell, by particle index.
     spots: Vec<CellEntry>,
 }
 
-/// Link in the list of the centres in a cell: a particle index plus one; `None` at the end of the list.
-type CellLink = Option<NonZeroU32>;
+/// Number that several threads may read and write. It gives no order of other memory accesses: no two threads use one
+/// number at the same time.
+#[derive(Debug, Default)]
+struct AtomicNumber(AtomicU32);
 
-/// Centre [m] of a particle's shell (ball in which its neighbour list is valid) in single precision, and link to the
-/// next centre in the same cell.
-#[derive(Clone, Copy, Debug, Default)]
-struct CellEntry {
-    centre: [f32; 3],
-    next: CellLink,
+impl AtomicNumber {
+    #[inline(always)]
+    fn get(&self) -> u32 {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    #[inline(always)]
+    fn set(&self, number: u32) {
+        self.0.store(number, Ordering::Relaxed);
+    }
 }
 
-fn link(index: u32) -> CellLink {
-    NonZeroU32::new(index + 1)
+impl Clone for AtomicNumber {
+    fn clone(&self) -> Self {
+        Self(AtomicU32::new(self.get()))
+    }
+}
+
+/// Centre of a particle's shell (ball in which its neighbour list is valid), and link to the next centre in the same
+/// cell.
+#[derive(Clone, Debug, Default)]
+struct CellEntry {
+    /// [m] coordinates of the centre, as the bits of numbers in single precision.
+    centre: [AtomicNumber; 3],
+    /// Index of the particle with the next centre in the cell, plus one; 0 at the end of the list.
+    next: AtomicNumber,
+}
+
+impl CellEntry {
+    #[inline(always)]
+    fn coordinate(&self, axis: usize) -> f32 {
+        f32::from_bits(self.centre[axis].get())
+    }
+
+    #[inline]
+    fn set_centre(&self, centre: [f32; 3]) {
+        for (number, coordinate) in self.centre.iter().zip(centre) {
+            number.set(coordinate.to_bits());
+        }
+    }
 }
 
 /// Rounds the coordinates of a point [m] to single precision.
@@ -79,7 +112,7 @@ impl ShellGrid {
                 if domain.joined()[axis] { 0.5 * domain.size[axis] as f32 } else { f32::INFINITY }
             }),
             rounding: (ROUNDING * domain.size.max()) as f32,
-            first: vec![None; count[0] * count[1] * count[2]],
+            first: vec![AtomicNumber::default(); count[0] * count[1] * count[2]],
             spots: vec![CellEntry::default(); particles],
         }
     }
@@ -90,40 +123,49 @@ impl ShellGrid {
         std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1))
     }
 
-    fn of(&self, x: &Vector3<f64>) -> usize {
-        let c = self.coordinates(x);
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.first.len()
+    }
+
+    /// Number of the cell that contains the centre [m] of a shell.
+    #[inline]
+    pub fn cell(&self, centre: &[f32; 3]) -> usize {
+        let c = self.coordinates(&widened(centre));
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
     /// Adds the centre [m] of a particle's shell to the cell that contains it; `index` is the index of the particle.
-    pub fn put(&mut self, index: u32, centre: [f32; 3]) {
-        let cell = self.of(&widened(&centre));
-        self.spots[index as usize] = CellEntry { centre, next: self.first[cell] };
-        self.first[cell] = link(index);
+    pub fn put(&self, index: u32, centre: [f32; 3]) {
+        let (first, spot) = (&self.first[self.cell(&centre)], &self.spots[index as usize]);
+        spot.set_centre(centre);
+        spot.next.set(first.get());
+        first.set(index + 1);
     }
 
     /// Moves the centre [m] of a particle's shell from `old` to `new`; `index` is the index of the particle.
-    pub fn change(&mut self, index: u32, old: [f32; 3], new: [f32; 3]) {
-        let (from, to) = (self.of(&widened(&old)), self.of(&widened(&new)));
+    pub fn change(&self, index: u32, old: [f32; 3], new: [f32; 3]) {
+        let (from, to) = (self.cell(&old), self.cell(&new));
         if from == to {
-            self.spots[index as usize].centre = new;
+            self.spots[index as usize].set_centre(new);
             return;
         }
-        let next = self.spots[index as usize].next;
-        let mut at = self.first[from];
-        if at == link(index) {
-            self.first[from] = next;
-        } else {
-            while let Some(other) = at {
-                let other = &mut self.spots[other.get() as usize - 1];
-                if other.next == link(index) {
-                    other.next = next;
-                    break;
-                }
-                at = other.next;
-            }
+        let mut link = &self.first[from];
+        while link.get() != index + 1 {
+            link = &self.spots[link.get() as usize - 1].next;
         }
+        link.set(self.spots[index as usize].next.get());
         self.put(index, new);
+    }
+
+    /// Numbers of the cell `cell` and of all its neighbours, which [`near`](Self::near) searches for a centre in this
+    /// cell.
+    pub fn around(&self, cell: usize) -> impl Iterator<Item = usize> {
+        let [nx, ny, _] = self.count;
+        let at = [cell % nx, cell / nx % ny, cell / (nx * ny)];
+        let [(xs, cx), (ys, cy), (zs, cz)] = std::array::from_fn(|axis| self.beside(axis, at[axis], 0.0));
+        let columns = (0..cz).flat_map(move |k| (0..cy).map(move |j| ys[j].0 + ny * zs[k].0));
+        columns.flat_map(move |column| (0..cx).map(move |i| xs[i].0 + nx * column))
     }
 
     /// Numbers, along one axis, of the cell `at` and its neighbours, and how many numbers these are (one to three).
@@ -218,12 +260,12 @@ impl ShellGrid {
     /// mispredict, since about half of the indices are kept.
     #[inline]
     fn within(&self, cell: usize, here: [f32; 3], square: f32, found: &mut Vec<u32>) -> u64 {
-        let (mut end, mut checks, mut at) = (found.len(), 0, self.first[cell]);
-        while let Some(one) = at {
-            let index = one.get() - 1;
+        let (mut end, mut checks, mut link) = (found.len(), 0, self.first[cell].get());
+        while link != 0 {
+            let index = link - 1;
             let spot = &self.spots[index as usize];
             let apart = |axis: usize| {
-                let d = (spot.centre[axis] - here[axis]).abs();
+                let d = (spot.coordinate(axis) - here[axis]).abs();
                 if d > self.half[axis] { self.period[axis] - d } else { d }
             };
             let [dx, dy, dz] = [apart(0), apart(1), apart(2)];
@@ -231,7 +273,7 @@ impl ShellGrid {
             found.push(index);
             end += usize::from(dx * dx + dy * dy + dz * dz <= square);
             checks += 1;
-            at = spot.next;
+            link = spot.next.get();
         }
         found.truncate(end);
         checks

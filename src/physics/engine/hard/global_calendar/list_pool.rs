@@ -51,12 +51,6 @@ pub struct ListPool {
 }
 
 impl ListPool {
-    /// Forgets all free rooms (memory blocks of neighbour lists), before the array of all neighbour lists is filled
-    /// again.
-    pub fn clear(&mut self) {
-        self.free.clear();
-    }
-
     /// Adds a free room (memory block) with the size number `room`, which begins at the index `first` of the array of
     /// all lists.
     pub fn give(&mut self, room: u8, first: u32) {
@@ -93,8 +87,5 @@ mod tests {
         rooms.give(3, 40);
         rooms.give(5, 60);
         assert_eq!([rooms.take(3), rooms.take(3), rooms.take(4), rooms.take(5)], [Some(40), None, None, Some(60)]);
-        rooms.give(3, 80);
-        rooms.clear();
-        assert_eq!(rooms.take(3), None);
     }
 }

@@ -4,13 +4,17 @@
 //! list is valid.
 
 use super::cells::ROUNDING;
+use super::division::Division;
 use super::event_queue::{EventQueue, EventTable};
 use super::frame::FallingFrame;
-use super::next_events::{FlightState, NextEvents};
+use super::neighbour_lists::lists_of;
+use super::next_events::{FlightState, NextEvents, ParticleRange};
 use super::prediction::Flights;
+use super::search::has_images;
 use super::shells::RadiusClass;
 use super::sliding::SLIDE;
-use super::walls::WallContacts;
+use super::territories::Territories;
+use super::walls::{WallContacts, across};
 use super::{GlobalCalendar, LastCollision, Recent, view_of};
 use crate::engine::driver::Work;
 use crate::engine::population::crowded_density;
@@ -103,12 +107,26 @@ impl GlobalCalendar {
     pub(super) fn predict_all(&mut self, scene: &Scene) {
         let around = view_of!(self, scene);
         let flights = Flights { around: &around, first: 0, bodies: &self.bodies, now: self.now, in_order: true };
-        let chunks = self.next_events.par_chunks_mut(CHUNK).zip(self.bodies.par_chunks(CHUNK));
-        let touch_times = chunks.map(|(entries, bodies)| {
-            entries.iter_mut().zip(bodies).for_each(|(events, body)| flights.predict_into(body, events));
+        let chunks = self.next_events.par_chunks_mut(CHUNK).zip(self.bodies.par_chunks(CHUNK)).enumerate();
+        let (lists, parts) = (&self.lists, &self.shells.parts);
+        let touch_times = chunks.map(|(chunk, (entries, bodies))| {
+            for (index, (events, body)) in ((chunk * CHUNK) as u32..).zip(entries.iter_mut().zip(bodies)) {
+                flights.predict_into(body, events, lists_of(lists, parts, index));
+            }
             entries.iter().map(|events| u64::from(events.shell.count())).sum::<u64>()
         });
-        self.touch_times += touch_times.sum::<u64>();
+        self.pair_checks += touch_times.sum::<u64>();
+    }
+
+    /// Updates `Shell::across` of each particle: true if a periodic image of a neighbour may be nearer than the
+    /// neighbour itself. This is needed after flights have been shifted by whole periods.
+    fn find_images(&mut self, scene: &Scene) {
+        for index in 0..self.next_events.len() as u32 {
+            let particles = ParticleRange { first: 0, bodies: &self.bodies, next_events: &self.next_events };
+            let near = lists_of(&self.lists, &self.shells.parts, index).neighbours(particles.shell(index));
+            let across = has_images(index, near, particles, (&scene.domain, self.now));
+            self.next_events[index as usize].shell.across = across;
+        }
     }
 
     /// True if the particles fly together as a layer with a velocity that the frame does not have, for instance after a
@@ -194,8 +212,8 @@ impl GlobalCalendar {
     pub fn forget(&mut self) {
         (self.bodies, self.next_events, self.last_collisions) = (Vec::new(), Vec::new(), Vec::new());
         self.queue = EventQueue::default();
-        self.parts = Vec::new();
-        self.shells.forget();
+        (self.parts, self.lists) = (Vec::new(), Vec::new());
+        (self.shells.levels, self.shells.territories) = (Vec::new(), Territories::default());
     }
 
     /// Builds the calendar anew: sorts the particle store along a curve through the box, copies the flights of the
@@ -249,9 +267,14 @@ impl GlobalCalendar {
         });
         self.shells.margin = margin;
         self.begin_interval(scene);
-        let at_wall: Vec<bool> = (0..particles.len()).map(|index| self.at_wall(index, scene)).collect();
-        let domain = self.domain_of_interval(scene);
-        self.shells.build(&mut self.next_events, &self.bodies, &domain, &at_wall);
+        let parts = if self.may_be_shared(scene) { self.number_of_parts() } else { 1 };
+        self.shells.parts = Division::new(particles.len(), parts);
+        let around = view_of!(self, scene);
+        let at_wall: Vec<bool> = self.bodies.iter().map(|body| around.at_wall(body, self.now)).collect();
+        let domain = around.domain_of_lists().into_owned();
+        let (lists, checks) = self.shells.build(&mut self.next_events, &self.bodies, &domain, &at_wall);
+        self.lists = lists;
+        self.pair_checks += checks;
         self.sorted_at = self.events;
         self.ready = true;
         self.builds += 1;
@@ -335,39 +358,12 @@ impl GlobalCalendar {
             self.lists_valid_until -= self.now;
             self.now = 0.0;
             self.set_limit(work.particles, scene, time)?;
-            self.shells.find_images(&mut self.next_events, &self.bodies, &scene.domain, self.now);
+            self.find_images(scene);
             self.predict_all(scene);
         }
         self.fill_queue();
         Ok(())
     }
-
-    /// True if the particle at `index` may touch a wall before it leaves its shell (ball in which its neighbour list is
-    /// valid), or before the next epoch, from which times are counted anew.
-    pub(super) fn at_wall(&self, index: usize, scene: &Scene) -> bool {
-        if scene.walls.is_empty() {
-            return false;
-        }
-        let body = &self.bodies[index];
-        let flight = self.frame.flight(&body.position_at(self.now), &body.velocity, self.now);
-        // distance by which the frame moves and falls towards walls within the epoch
-        let drift = across(scene, self.frame.velocity).norm() * self.limit;
-        let fall = drift + 0.5 * across(scene, scene.gravity).norm() * self.limit * self.limit;
-        let reach = self.shells.radius(body) + self.shells.margin + fall + ROUNDING * scene.domain.size.max();
-        let position = scene.domain.wrap(&flight.position);
-        let mut found = false;
-        self.walls.near.for_each(&position, reach, |wall| {
-            let wall = &scene.walls[wall as usize];
-            found = found || wall.geometry.is_within(&position, reach + self.travel(wall));
-        });
-        found
-    }
-}
-
-/// Component towards the walls of `vector`, a velocity or acceleration common to all particles. It is zero if the
-/// vector is parallel to all walls, or without walls. If a wall is not a plane, it is the whole vector.
-fn across(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
-    vector - along_walls(scene, vector)
 }
 
 /// [m/s] velocity of the frame of the calendar: the mean velocity of the particles along the walls. There is one

@@ -21,15 +21,20 @@ mod division;
 mod event_queue;
 mod frame;
 mod list_pool;
+mod list_update;
 mod load;
+mod neighbour_lists;
 mod next_events;
+mod old_neighbours;
 mod part;
 mod prediction;
 mod records;
+mod renewal;
 mod rounds;
 mod search;
 mod shells;
 mod sliding;
+mod territories;
 mod undo;
 mod view;
 mod walls;
@@ -39,8 +44,10 @@ use super::impulse::ParticleAccess;
 use crate::clock::Clock;
 use crate::engine::driver::Work;
 use crate::engine::{Failure, Window};
+use division::Division;
 use event_queue::EventQueue;
 use frame::FallingFrame;
+use neighbour_lists::NeighbourLists;
 use next_events::{FlightState, NextEvents};
 use part::EventCounts;
 use rounds::{PartState, Round};
@@ -59,6 +66,7 @@ macro_rules! view_of {
             limit: $calendar.limit,
             horizon: $calendar.horizon,
             epoch: $calendar.epoch,
+            lists_valid_until: $calendar.lists_valid_until,
             shells: &$calendar.shells,
             walls: &$calendar.walls,
             ids: &$calendar.ids,
@@ -82,6 +90,7 @@ macro_rules! whole_of {
             bodies: &mut $calendar.bodies,
             next_events: &mut $calendar.next_events,
             last_collisions: &mut $calendar.last_collisions,
+            lists: &mut $calendar.lists,
             queue: &mut $calendar.queue,
             now: $calendar.now,
             span: $span,
@@ -135,6 +144,8 @@ pub struct GlobalCalendar {
     /// finite time) is detected.
     last_collisions: Vec<LastCollision>,
     shells: Shells,
+    /// Neighbour lists of each part of the particles.
+    lists: Vec<NeighbourLists>,
     /// Time [s] since the epoch (zero of the calendar's time) until which neighbour lists across the sheared sides of
     /// the box are valid, since images slide there; infinite without shear.
     lists_valid_until: f64,
@@ -145,8 +156,8 @@ pub struct GlobalCalendar {
     sorted_at: u64,
     /// Number of collisions that the event queue has processed so far.
     pub events: u64,
-    /// Number of times of touch computed so far.
-    touch_times: u64,
+    /// Number of touch times and of distances between shells computed so far.
+    pair_checks: u64,
     /// Number of times that the event queue of all particles, with all neighbour lists, was built so far.
     pub builds: u64,
     /// Wall-clock time that building the event queue and all neighbour lists has taken so far.
@@ -264,38 +275,23 @@ impl GlobalCalendar {
         if !self.parts.is_empty() {
             self.fill_queue();
         }
-        let mut renewed = None;
         loop {
             let before = self.events;
             let around = view_of!(self, work.scene);
             let particles = ParticleAccess::Exclusive(work.particles);
             let mut part = whole_of!(self, &around, particles, work.log, span);
-            if let Some(index) = renewed {
-                part.predict_events(index);
-            }
             let leaving = part.run(stop, work.record, before);
             let (now, counts) = (part.now, part.counts);
             self.now = now;
             self.count(counts);
-            renewed = leaving?;
-            let Some(index) = renewed else { return Ok(()) };
-            self.make_shell(index, work);
+            let Some(index) = leaving? else { return Ok(()) };
+            self.renew_shell(index, work, span);
         }
-    }
-
-    /// Predicts the next events of the particle at `index`, and puts the first into the event queue.
-    fn predict_again(&mut self, index: u32, work: &mut Work<Recent>, span: CalendarWindow) {
-        let around = view_of!(self, work.scene);
-        let particles = ParticleAccess::Exclusive(work.particles);
-        let mut part = whole_of!(self, &around, particles, work.log, span);
-        part.predict_events(index);
-        let counts = part.counts;
-        self.count(counts);
     }
 
     fn count(&mut self, counts: EventCounts) {
         self.events += counts.collisions;
-        self.touch_times += counts.touch_times;
+        self.pair_checks += counts.pair_checks;
     }
 
     /// Last collision of each particle that collided less than the contact time before simulated time `time` [s]. In
@@ -306,15 +302,15 @@ impl GlobalCalendar {
 
     /// Number of touch times and of distances between shells computed so far, as a measure of work.
     pub fn pair_checks(&self) -> u64 {
-        self.touch_times + self.shells.checks
+        self.pair_checks
     }
 
     /// Copy of this event queue of all particles for a snapshot of the run. The copy does not depend on the order in
     /// which neighbour lists were built.
     pub fn state(&self) -> Self {
-        let (shells, next_events) = self.shells.tidy(&self.next_events);
+        let (lists, next_events) = self.shells.copy_lists(&self.lists, &Division::default(), &self.next_events);
         let without = Self { queue: EventQueue::default(), parts: Vec::new(), ..self.clone() };
-        Self { shells, next_events, ..without }
+        Self { lists, next_events, ..without }
     }
 
     /// Continues from a state that [`state`](Self::state) has returned. The clock and the contact time of this event

@@ -114,3 +114,29 @@ impl NextEvents {
         (self.time, self.kind, self.detail) = (self.second_time, self.second_kind, self.second_detail);
     }
 }
+
+/// Particles with consecutive indices: their flights, and their next events with their shells (balls in which neighbour
+/// lists are valid).
+#[derive(Clone, Copy)]
+pub struct ParticleRange<'a> {
+    /// Index of the first of these particles in the particle store.
+    pub first: u32,
+    /// Flights of the particles.
+    pub bodies: &'a [FlightState],
+    /// Next events of the particles.
+    pub next_events: &'a [NextEvents],
+}
+
+impl<'a> ParticleRange<'a> {
+    /// Flight of the particle at `index`.
+    #[inline(always)]
+    pub fn body(&self, index: u32) -> &'a FlightState {
+        &self.bodies[(index - self.first) as usize]
+    }
+
+    /// Shell of the particle at `index`.
+    #[inline(always)]
+    pub fn shell(&self, index: u32) -> &'a Shell {
+        &self.next_events[(index - self.first) as usize].shell
+    }
+}

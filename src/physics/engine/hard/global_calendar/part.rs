@@ -2,6 +2,7 @@
 //! Times are counted from the epoch, the zero of the calendar's time. The calendar is the event queue of all particles.
 
 use super::event_queue::{EventQueue, EventTable};
+use super::neighbour_lists::{NeighbourLists, lists_of};
 use super::next_events::{EventKind, FlightState, NextEvents};
 use super::prediction::Flights;
 use super::rounds::Round;
@@ -15,13 +16,13 @@ use crate::record::{Log, Record};
 use nalgebra::Vector3;
 use prefetch_index::prefetch_index;
 
-/// Numbers of collisions, and of times of touch that were computed to predict collisions.
+/// Numbers of collisions, and of pairs that were tested to predict them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EventCounts {
     /// Number of collisions.
     pub collisions: u64,
-    /// Number of computed times of touch.
-    pub touch_times: u64,
+    /// Number of computed times of touch, and of distances between shells (balls in which neighbour lists are valid).
+    pub pair_checks: u64,
 }
 
 /// Particles with consecutive indices, whose events are processed by one thread in the order of time.
@@ -38,6 +39,8 @@ pub struct Part<'a> {
     pub next_events: &'a mut [NextEvents],
     /// Collision history of each particle.
     pub last_collisions: &'a mut [LastCollision],
+    /// Neighbour lists of this part of the particles, or of each part if these are all particles.
+    pub lists: &'a mut [NeighbourLists],
     /// Event queue of the particles.
     pub queue: &'a mut EventQueue,
     /// [s] present time since the epoch (zero of the calendar's time).
@@ -46,7 +49,7 @@ pub struct Part<'a> {
     pub span: CalendarWindow,
     /// Log of the collisions.
     pub log: &'a mut Log,
-    /// Numbers of collisions and of computed times of touch since the part was made.
+    /// Numbers of collisions and of tested pairs since the part was made.
     pub counts: EventCounts,
     /// The round in which several threads process events; `None` if only one thread does.
     pub round: Option<&'a mut Round>,
@@ -62,6 +65,12 @@ impl Part<'_> {
     #[inline(always)]
     fn body(&self, index: u32) -> &FlightState {
         &self.bodies[self.place(index)]
+    }
+
+    /// Neighbour lists of the part to which the particle at `index` belongs.
+    #[inline(always)]
+    fn lists_of(&self, index: u32) -> &NeighbourLists {
+        lists_of(self.lists, &self.around.shells.parts, index)
     }
 
     /// Removes the earliest event from the queue, and makes its time the present time. Returns the index of the
@@ -97,29 +106,30 @@ impl Part<'_> {
     /// Prefetches the data of the next events into the processor's cache. The data of an event are fetched in stages,
     /// one stage per processed event: first the particle, then its partner and its neighbour list, then the neighbours.
     fn fetch_ahead(&self) {
-        let upcoming = |after| self.queue.upcoming(after).map(|index| &self.next_events[self.place(index)]);
-        let shells = self.around.shells;
         if let Some(index) = self.queue.upcoming(3) {
             self.fetch(index);
         }
-        if let Some(events) = upcoming(2) {
-            shells.fetch_list(&events.shell);
+        if let Some(index) = self.queue.upcoming(2) {
+            let events = &self.next_events[self.place(index)];
+            self.lists_of(index).fetch_list(&events.shell);
             if let EventKind::Pair(j) = events.kind {
                 self.fetch(j);
             }
         }
-        if let Some(events) = upcoming(1) {
-            self.fetch_near(events);
+        if let Some(index) = self.queue.upcoming(1) {
+            let events = &self.next_events[self.place(index)];
+            self.fetch_near(index, events);
             if let EventKind::Pair(j) = events.kind
                 && let Some(other) = self.next_events.get(self.place(j))
             {
-                shells.fetch_list(&other.shell);
+                self.lists_of(j).fetch_list(&other.shell);
             }
         }
-        if let Some(NextEvents { kind: EventKind::Pair(j), .. }) = upcoming(0)
-            && let Some(other) = self.next_events.get(self.place(*j))
+        if let Some(index) = self.queue.upcoming(0)
+            && let EventKind::Pair(j) = self.next_events[self.place(index)].kind
+            && let Some(other) = self.next_events.get(self.place(j))
         {
-            self.fetch_near(other);
+            self.fetch_near(j, other);
         }
     }
 
@@ -132,8 +142,9 @@ impl Part<'_> {
     }
 
     #[inline]
-    fn fetch_near(&self, events: &NextEvents) {
-        self.around.shells.neighbours(&events.shell).iter().for_each(|&k| prefetch_index(&*self.bodies, self.place(k)));
+    fn fetch_near(&self, index: u32, events: &NextEvents) {
+        let near = self.lists_of(index).neighbours(&events.shell);
+        near.iter().for_each(|&k| prefetch_index(&*self.bodies, self.place(k)));
     }
 
     /// Processes the next event of the particle at `index`. Returns true, without a prediction, if the particle leaves
@@ -157,16 +168,21 @@ impl Part<'_> {
                 self.collide(Couple::at_wall(index, at), detail)?;
             }
             EventKind::LeaveShell => {
+                let renews = self.round.as_ref().is_some_and(|round| !round.is_border) && self.may_renew(index);
                 let Some(round) = &mut self.round else { return Ok(true) };
+                round.undo.note(index);
+                if renews {
+                    self.renew_shell(index);
+                    return Ok(false);
+                }
                 round.leaving.push(index);
-                round.undo.push(index, &self.bodies[place], &self.next_events[place], None);
                 if self.take_second(index) {
                     return Ok(false);
                 }
             }
             EventKind::Pair(_) | EventKind::Predict => {
                 if let Some(round) = &mut self.round {
-                    round.undo.push(index, &self.bodies[place], &self.next_events[place], None);
+                    round.undo.note(index);
                     // the partner has collided, but perhaps after this touch
                     let partner = if let EventKind::Pair(j) = kind { j } else { index };
                     round.note_order(self.bodies[(partner - self.first) as usize].time, self.now);
@@ -206,7 +222,7 @@ impl Part<'_> {
         let Some(round) = &mut self.round else { return false };
         round.must_be_repeated |= result.is_err();
         round.counts.collisions += counts.collisions;
-        round.counts.touch_times += counts.touch_times;
+        round.counts.pair_checks += counts.pair_checks;
         !round.has_failed()
     }
 
@@ -216,12 +232,13 @@ impl Part<'_> {
         let place = self.place(index);
         let in_order = self.round.as_ref().is_none_or(|round| !round.is_border);
         let flights = Flights { around: self.around, first: self.first, bodies: self.bodies, now: self.now, in_order };
-        flights.predict_into(&self.bodies[place], &mut self.next_events[place]);
+        let lists = lists_of(self.lists, &self.around.shells.parts, index);
+        flights.predict_into(&self.bodies[place], &mut self.next_events[place], lists);
         let shell = &self.next_events[place].shell;
-        self.counts.touch_times += u64::from(shell.count());
+        self.counts.pair_checks += u64::from(shell.count());
         if let Some(round) = &mut self.round {
             if round.is_border {
-                let neighbours = self.around.shells.neighbours(shell).iter();
+                let neighbours = lists.neighbours(shell).iter();
                 let (body, now, speed) = (&self.bodies[place], self.now, round.speed);
                 let is_later = |j: &&u32| flights.get(**j).is_some_and(|other| other.time > now);
                 let early = neighbours.filter(is_later).filter_map(|&j| flights.may_have_touched(body, j, now, speed));
@@ -292,12 +309,7 @@ impl Part<'_> {
         for index in couple.indices().into_iter().flatten() {
             let place = self.place(index);
             if let Some(round) = &mut self.round {
-                round.undo.push(
-                    index,
-                    &self.bodies[place],
-                    &self.next_events[place],
-                    Some(&self.last_collisions[place]),
-                );
+                round.undo.push(index, &self.bodies[place], &self.last_collisions[place]);
                 round.note_order(self.bodies[place].time, self.now);
             }
             self.bodies[place].advance(self.now);

@@ -6,6 +6,7 @@
 use super::approach::wide::Wide;
 use super::approach::{FourNeighbours, ObservingParticle};
 use super::cells::ROUNDING;
+use super::neighbour_lists::NeighbourLists;
 use super::next_events::{EventKind, FlightState, NextEvents};
 use super::shells::Shell;
 use super::view::CalendarView;
@@ -94,9 +95,10 @@ impl<'a> Flights<'a> {
     }
 
     /// Predicts the next two events of the particle with the flight `body`, and writes them into its entry `events`.
+    /// `lists` are the neighbour lists of its part.
     #[inline]
-    pub fn predict_into(&self, body: &FlightState, events: &mut NextEvents) {
-        let Events { first, second } = self.next_events(body, &events.shell);
+    pub fn predict_into(&self, body: &FlightState, events: &mut NextEvents, lists: &NeighbourLists) {
+        let Events { first, second } = self.next_events(body, &events.shell, lists);
         let detail = |event: &Event| match event.kind {
             EventKind::Pair(j) => self.get(j).map_or(0, |other| other.collision_count),
             EventKind::Wall(_) | EventKind::LeaveShell | EventKind::Predict => event.feature,
@@ -110,7 +112,7 @@ impl<'a> Flights<'a> {
     /// neighbour list is valid), the end of prediction, and all touches. If no other event comes before the end of
     /// prediction, both events are this end.
     #[inline]
-    fn next_events(&self, body: &FlightState, shell: &Shell) -> Events {
+    fn next_events(&self, body: &FlightState, shell: &Shell, lists: &NeighbourLists) -> Events {
         let around = self.around;
         let leave = self.now + self.leave(body, &shell.centre());
         let end = around.horizon.min(around.limit);
@@ -123,9 +125,9 @@ impl<'a> Flights<'a> {
         };
         let domain = &around.scene.domain;
         if around.far_images == [false; 3] && !around.shells.is_at_sheared_side(shell, domain) {
-            self.touches(body, shell, &mut events);
+            self.touches(body, shell, lists.in_fours(shell), &mut events);
         } else {
-            self.all_images(body, around.shells.neighbours(shell), &mut events);
+            self.all_images(body, lists.neighbours(shell), &mut events);
         }
         if shell.at_wall && events.first.time < f64::INFINITY {
             self.at_walls(body, &mut events);
@@ -165,7 +167,7 @@ impl<'a> Flights<'a> {
     /// Adds to `events` the coming touches of a particle with the nearest images of its neighbours. If the processor
     /// has vector instructions for four numbers, they are used.
     #[inline]
-    fn touches(&self, body: &FlightState, shell: &Shell, events: &mut Events) {
+    fn touches(&self, body: &FlightState, shell: &Shell, neighbours: &[[u32; 4]], events: &mut Events) {
         let domain = &self.around.scene.domain;
         // in a sheared box, new shells shift particles by whole periods
         let (until, now, across) = (events.second.time, self.now, shell.across || domain.shear.is_some());
@@ -179,7 +181,7 @@ impl<'a> Flights<'a> {
                     let wide = Wide::new(simd, &view);
                     self.touches_by(
                         body,
-                        shell,
+                        neighbours,
                         #[inline(always)]
                         |others, touch| wide.at_once(others, touch),
                         events,
@@ -188,7 +190,7 @@ impl<'a> Flights<'a> {
             );
             return;
         }
-        self.touches_by(body, shell, |others, touch| view.one_by_one(others, touch), events);
+        self.touches_by(body, neighbours, |others, touch| view.one_by_one(others, touch), events);
     }
 
     /// Adds to `events` the coming touches of a particle with its neighbours. The function `test` takes four neighbours
@@ -199,7 +201,7 @@ impl<'a> Flights<'a> {
     fn touches_by(
         &self,
         body: &FlightState,
-        shell: &Shell,
+        neighbours: &[[u32; 4]],
         test: impl Fn(&[&FlightState; 4], &[f64; 4]) -> (FourNeighbours, u32),
         events: &mut Events,
     ) {
@@ -208,7 +210,7 @@ impl<'a> Flights<'a> {
         let (alike, largest_square) = (shells.alike(), (2.0 * shells.largest()).powi(2));
         // the particle itself stands for neighbours that are left out: it does not touch itself
         let flight = |index: u32| self.get(index).unwrap_or(body);
-        for indices in shells.in_fours(shell).chunks(AT_ONCE) {
+        for indices in neighbours.chunks(AT_ONCE) {
             let (mut seen, mut coming) = ([FourNeighbours::default(); AT_ONCE], 0);
             for (k, (four, indices)) in seen.iter_mut().zip(indices).enumerate() {
                 let [a, b, c, d] = *indices;

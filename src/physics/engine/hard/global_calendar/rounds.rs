@@ -13,17 +13,20 @@
 //! repeated with a shorter length. This is rare, because few particles have two events in a round. The time of a touch
 //! depends only on two flights, so the results are bit for bit those of a single thread.
 //!
-//! Particles get new shells between rounds. A particle that comes near the surface of its shell during a round gets a
-//! new shell after that round or a later one. Until it gets one, it may fly on by a small distance, which is left for
-//! this purpose. If a particle becomes so fast that it may fly farther, the round is undone, and one thread repeats it.
+//! A particle that comes near the surface of its shell gets a new shell at once, if all cells around it belong to its
+//! part ([`Territories`](super::territories::Territories)). Otherwise it gets one after that round or a later one.
+//! Until then, it may fly on by a small distance, which is left for this purpose. If a particle becomes so fast that it
+//! may fly farther, the round is undone, and one thread repeats it. An undone round leaves new shells where they are:
+//! within a round, no particle flies farther than the small distance, so each is inside its new shell also before.
 
 use super::division::Division;
 use super::event_queue::{EventQueue, EventTable};
+use super::neighbour_lists::NeighbourLists;
 use super::next_events::{EventKind, NextEvents};
 use super::part::{EventCounts, Part};
 use super::prediction::Flights;
 use super::records::Records;
-use super::search::Lists;
+use super::territories::MOST_PARTS;
 use super::undo::Undo;
 use super::{CalendarWindow, GlobalCalendar, Recent, view_of, whole_of};
 use crate::engine::Failure;
@@ -48,7 +51,7 @@ const SLACK: f64 = 0.08;
 const FASTER: f64 = 1.25;
 
 /// [-] factor by which rounds become longer after each successful round with few collisions.
-const LONGER: f64 = 1.02;
+const LONGER: f64 = 1.01;
 
 /// [-] factor by which rounds become shorter after each failed round. Together with [`LONGER`], about one round in ten
 /// fails.
@@ -69,9 +72,6 @@ const ATTEMPTS: u32 = 3;
 /// Number of times that new shells are made between rounds before the largest speed is computed again.
 const RENEWALS: u32 = 64;
 
-/// Number of particles whose neighbour lists one thread makes at a time.
-const TOGETHER: usize = 16;
-
 /// Data that the events of one round write: those of one part, or those that concern several parts.
 #[derive(Clone, Default)]
 pub struct Round {
@@ -86,7 +86,7 @@ pub struct Round {
     pub undo: Undo,
     /// Collisions of the round, with their amounts for the ledger.
     pub records: Records,
-    /// Numbers of collisions and of computed times of touch in this round.
+    /// Numbers of collisions and of tested pairs in this round.
     pub counts: EventCounts,
     /// [m/s] speed that no particle may exceed in the round.
     pub speed: f64,
@@ -121,7 +121,9 @@ impl Round {
     }
 }
 
-/// State of one part of the particles, stored from round to round.
+/// State of one part of the particles, stored from round to round. The states of two parts share no cache line, nor a
+/// pair of lines that processors fetch together.
+#[repr(align(128))]
 #[derive(Clone, Default)]
 pub struct PartState {
     queue: EventQueue,
@@ -131,7 +133,8 @@ pub struct PartState {
     deferred: Vec<u32>,
     /// Indices of particles whose next event is a touch with a particle of another part after the end of the round.
     across: Vec<u32>,
-    round: Round,
+    /// Data that the events of a round write.
+    pub round: Round,
     /// Log of the collisions. Its impacts are counted in `record` when the next round begins.
     log: Log,
     /// Statistics of the impacts since the start of the window.
@@ -141,8 +144,13 @@ pub struct PartState {
 impl PartState {
     /// Predicts the events of the particles in `round.predicted` with the neighbours in all parts. Events before `end`
     /// [s] since the epoch are left to the single thread of step 3. `next_events` are those of this part, whose first
-    /// particle has the index `first`.
-    fn complete(&mut self, all: Flights, (first, next_events): (u32, &mut [NextEvents]), end: f64) {
+    /// particle has the index `first`, and `lists` their neighbour lists.
+    fn complete(
+        &mut self,
+        all: Flights,
+        (first, next_events, lists): (u32, &mut [NextEvents], &NeighbourLists),
+        end: f64,
+    ) {
         let Self { queue, deferred, across, round, .. } = self;
         let own = first..first + next_events.len() as u32;
         round.predicted.sort_unstable();
@@ -151,9 +159,9 @@ impl PartState {
             let (body, events) = (&all.bodies[index as usize], &mut next_events[(index - first) as usize]);
             let all = Flights { now: all.now.max(body.time), ..all };
             let before = events.time;
-            all.predict_into(body, events);
-            round.counts.touch_times += u64::from(events.shell.count());
-            let neighbours = all.around.shells.neighbours(&events.shell).iter();
+            all.predict_into(body, events, lists);
+            round.counts.pair_checks += u64::from(events.shell.count());
+            let neighbours = lists.neighbours(&events.shell).iter();
             // a particle that was predicted twice may have had a flight that this prediction does not include
             let had_others = |j: &&u32| same.len() > 1 || all.bodies[**j as usize].time > round.start;
             let unknown = neighbours.filter(|j| !own.contains(j)).filter(had_others);
@@ -199,7 +207,7 @@ fn process(mut part: Part, stopped: &mut [u64], deferred: &mut Vec<u32>, end: f6
 }
 
 /// List of the parts, each with the index of its first particle and the next events of its particles.
-fn pieces<'a>(
+pub fn pieces<'a>(
     parts: &'a mut [PartState],
     division: &Division,
     mut next_events: &'a mut [NextEvents],
@@ -217,16 +225,21 @@ fn pieces<'a>(
 impl GlobalCalendar {
     /// True if several threads share the events of a window.
     pub(super) fn is_shared(&self, scene: &Scene) -> bool {
-        self.number_of_parts() > 1
-            && self.horizon == f64::INFINITY
+        self.number_of_parts() > 1 && self.may_be_shared(scene)
+    }
+
+    /// True if several threads may share the events of a window, if there are enough particles.
+    pub(super) fn may_be_shared(&self, scene: &Scene) -> bool {
+        !scene.is_kicked()
             && self.far_images == [false; 3]
             && scene.domain.shear.is_none()
             && scene.rotation.is_none()
             && !scene.has_moving_walls()
     }
 
-    fn number_of_parts(&self) -> usize {
-        rayon::current_num_threads().min(self.bodies.len() / FEWEST)
+    /// Number of parts into which the particles are divided if several threads share the events.
+    pub(super) fn number_of_parts(&self) -> usize {
+        rayon::current_num_threads().min(self.bodies.len() / FEWEST).min(MOST_PARTS)
     }
 
     /// Processes all events up to the time `stop` [s] since the epoch in rounds, by several threads.
@@ -251,18 +264,18 @@ impl GlobalCalendar {
                 }
                 self.clock.tell(span.time(end));
                 if end >= renewal || end >= stop {
-                    self.renew_shells(work.scene);
+                    self.renew_shells(work, span);
                 }
                 continue;
             }
             failures += 1;
             let early = rounds().map(|round| round.early).fold(end, f64::min);
             let repeat = rounds().any(|round| round.must_be_repeated) || failures > ATTEMPTS;
-            self.undo();
+            self.undo(work.scene);
             self.round *= SHORTER;
             if repeat {
                 self.count_impacts(work.record);
-                self.renew_shells(work.scene);
+                self.renew_shells(work, span);
                 self.one_after_the_other(work, span, end)?;
                 until = f64::INFINITY;
             } else {
@@ -288,21 +301,37 @@ impl GlobalCalendar {
         let is_new = self.slack != slack;
         (self.slack, self.renewed_at, self.renewals) = (slack, self.now, 0);
         self.limit_speed();
-        self.shells.parts = Division::new(self.bodies.len(), self.number_of_parts());
+        if self.lists.len() != self.number_of_parts() {
+            let division = Division::new(self.bodies.len(), self.number_of_parts());
+            (self.lists, self.next_events) = self.shells.copy_lists(&self.lists, &division, &self.next_events);
+            self.shells.parts = division;
+        }
+        self.shells.divide_cells(&self.next_events);
         if is_new {
             self.predict_all(scene);
         }
         // frees the memory of the events, which the parts need
         self.queue = EventQueue::default();
         self.parts = vec![PartState::default(); self.shells.parts.count()];
-        for (part, first, next_events) in pieces(&mut self.parts, &self.shells.parts, &mut self.next_events) {
+        let pieces = pieces(&mut self.parts, &self.shells.parts, &mut self.next_events);
+        for ((part, first, next_events), lists) in pieces.into_iter().zip(&self.lists) {
             part.queue.fill(EventTable { first, next_events, ids: &self.ids }, self.now, self.horizon);
             part.stopped.resize(next_events.len().div_ceil(64), 0);
             let own = first..first + next_events.len() as u32;
             for events in next_events {
-                let mut neighbours = self.shells.neighbours(&events.shell).iter();
+                let mut neighbours = lists.neighbours(&events.shell).iter();
                 events.shell.at_border = neighbours.any(|k| !own.contains(k));
             }
+        }
+    }
+
+    /// Takes account of new shells that have been made between rounds. From time to time, the largest speed and the
+    /// territories of the parts are determined again.
+    pub(super) fn note_renewal(&mut self) {
+        (self.renewed_at, self.renewals) = (self.now, self.renewals + 1);
+        if self.renewals.is_multiple_of(RENEWALS) {
+            self.limit_speed();
+            self.shells.divide_cells(&self.next_events);
         }
     }
 
@@ -322,34 +351,39 @@ impl GlobalCalendar {
         let particles: &Particles = work.particles;
         let (mut bodies, mut histories) = (self.bodies.as_mut_slice(), self.last_collisions.as_mut_slice());
         let mut with_flights = Vec::new();
-        for (part, first, next_events) in pieces(&mut self.parts, &self.shells.parts, &mut self.next_events) {
+        let pieces = pieces(&mut self.parts, &self.shells.parts, &mut self.next_events);
+        for ((part, first, next_events), lists) in pieces.into_iter().zip(&mut self.lists) {
             let bodies = bodies.split_off_mut(..next_events.len()).unwrap_or_default();
             let histories = histories.split_off_mut(..next_events.len()).unwrap_or_default();
-            with_flights.push((part, first, next_events, bodies, histories));
+            with_flights.push((part, first, next_events, bodies, histories, lists));
         }
-        work_sharing::for_each(with_flights.into_iter(), |(state, first, next_events, bodies, last_collisions)| {
-            let PartState { queue, stopped, deferred, round, log, record, .. } = state;
-            record.count(&mut log.impacts);
-            let (counts, particles) = (EventCounts::default(), ParticleAccess::Shared(particles));
-            round.begin(now, speed, false);
-            let round = Some(round);
-            let around = &around;
-            let part = Part {
-                around,
-                particles,
-                first,
-                bodies,
-                next_events,
-                last_collisions,
-                queue,
-                now,
-                span,
-                log,
-                counts,
-                round,
-            };
-            process(part, stopped, deferred, end);
-        });
+        work_sharing::for_each(
+            with_flights.into_iter(),
+            |(state, first, next_events, bodies, last_collisions, lists)| {
+                let PartState { queue, stopped, deferred, round, log, record, .. } = state;
+                record.count(&mut log.impacts);
+                let (counts, particles) = (EventCounts::default(), ParticleAccess::Shared(particles));
+                round.begin(now, speed, false);
+                let round = Some(round);
+                let around = &around;
+                let part = Part {
+                    around,
+                    particles,
+                    first,
+                    bodies,
+                    next_events,
+                    last_collisions,
+                    lists: std::slice::from_mut(lists),
+                    queue,
+                    now,
+                    span,
+                    log,
+                    counts,
+                    round,
+                };
+                process(part, stopped, deferred, end);
+            },
+        );
     }
 
     /// Predicts the events of particles at the borders of parts again, now with the neighbours in all parts (step 2 of
@@ -358,8 +392,8 @@ impl GlobalCalendar {
         let (around, bodies, now) = (view_of!(self, scene), self.bodies.as_slice(), self.now);
         let all = Flights { around: &around, first: 0, bodies, now, in_order: false };
         let pieces = pieces(&mut self.parts, &self.shells.parts, &mut self.next_events);
-        work_sharing::for_each(pieces.into_iter(), |(part, first, next_events)| {
-            part.complete(all, (first, next_events), end);
+        work_sharing::for_each(pieces.into_iter().zip(&self.lists), |((part, first, next_events), lists)| {
+            part.complete(all, (first, next_events, lists), end);
         });
     }
 
@@ -394,49 +428,60 @@ impl GlobalCalendar {
         (self.parts, self.border) = (parts, border);
     }
 
-    /// Restores the state before the present round, which has failed.
-    fn undo(&mut self) {
-        let Self { parts, border, bodies, next_events, last_collisions, shells, ids, .. } = self;
+    /// Restores the state before the present round, which has failed. The next events of all particles that had events
+    /// are predicted again, since some have new shells.
+    fn undo(&mut self, scene: &Scene) {
+        let Self { parts, border, bodies, next_events, last_collisions, shells, .. } = self;
         let mut changed = Vec::new();
         for round in [border].into_iter().chain(parts.iter_mut().map(|part| &mut part.round)) {
-            round.undo.restore(bodies, next_events, last_collisions, &mut changed);
+            round.undo.restore(bodies, last_collisions, &mut changed);
             round.records.clear();
             round.predicted.clear();
             round.counts.collisions = 0;
         }
-        parts.iter_mut().for_each(|part| {
+        for part in &mut *parts {
             part.across.clear();
             part.log.impacts.clear();
-        });
-        parts.iter_mut().for_each(|part| changed.append(&mut part.deferred));
-        changed.sort_unstable();
-        changed.dedup();
-        for index in changed {
-            let table = EventTable { first: 0, next_events, ids };
-            if next_events[index as usize].time < self.horizon {
-                parts[shells.parts.number(index)].queue.insert(index, table);
-            }
+            changed.append(&mut part.deferred);
         }
+        for index in changed {
+            // the present event may not be in the queue of the part
+            next_events[index as usize].time = f64::INFINITY;
+            parts[shells.parts.number(index)].round.predicted.push(index);
+        }
+        self.predict_first_of_round(scene);
     }
 
     /// Adds the collisions of a successful round to the log of the run. Moves the remaining events from the queue of
     /// step 3 back to the queues of the parts.
     fn finish(&mut self, work: &mut Work<Recent>) {
-        let Self { parts, border, queue, shells, bodies, next_events, ids, .. } = self;
+        let Self { parts, border, queue, shells, next_events, ids, .. } = self;
         let lists: Vec<&Records> = parts.iter().map(|part| &part.round.records).chain([&border.records]).collect();
         Records::merge(&lists, work.log, work.record, self.events);
-        let mut across = std::mem::take(&mut border.predicted);
+        let across = std::mem::take(&mut border.predicted);
         queue.drain(|index| {
             let table = EventTable { first: 0, next_events, ids };
             if next_events[index as usize].time < self.horizon {
                 parts[shells.parts.number(index)].queue.insert(index, table);
             }
         });
-        parts.iter_mut().for_each(|part| {
-            across.append(&mut part.across);
-            part.deferred.clear();
-        });
-        // the partners in other parts must be stopped at these touches too
+        parts.iter_mut().for_each(|part| part.deferred.clear());
+        for round in [border].into_iter().chain(parts.iter_mut().map(|part| &mut part.round)) {
+            let EventCounts { collisions, pair_checks } = std::mem::take(&mut round.counts);
+            self.events += collisions;
+            self.pair_checks += pair_checks;
+            round.undo.clear();
+            round.records.clear();
+        }
+        self.store_with_partners(across);
+    }
+
+    /// Stores the touches of particles of different parts also in the entries of the partners, which must be stopped at
+    /// these touches too. `across` and `PartState::across` contain the indices of particles whose next event may be such
+    /// a touch.
+    fn store_with_partners(&mut self, mut across: Vec<u32>) {
+        let Self { parts, shells, bodies, next_events, ids, .. } = self;
+        parts.iter_mut().for_each(|part| across.append(&mut part.across));
         for index in across {
             let NextEvents { time, kind, detail, .. } = next_events[index as usize];
             if let EventKind::Pair(j) = kind
@@ -448,45 +493,12 @@ impl GlobalCalendar {
                 parts[shells.parts.number(j)].queue.insert(j, table);
             }
         }
-        for round in [border].into_iter().chain(parts.iter_mut().map(|part| &mut part.round)) {
-            let EventCounts { collisions, touch_times } = std::mem::take(&mut round.counts);
-            self.events += collisions;
-            self.touch_times += touch_times;
-            round.undo.clear();
-            round.records.clear();
-        }
     }
 
-    /// Makes new shells (balls in which neighbour lists are valid) for the particles that need them, and predicts the
-    /// events of these particles.
-    fn renew_shells(&mut self, scene: &Scene) {
-        let mut leaving = std::mem::take(&mut self.border.leaving);
-        self.parts.iter_mut().for_each(|part| leaving.append(&mut part.round.leaving));
-        leaving.sort_unstable();
-        leaving.dedup();
-        for &index in &leaving {
-            let (centre, at_wall) = (self.centre(index, scene), self.at_wall(index as usize, scene));
-            self.shells.recentre(index, (&centre, at_wall), &mut self.next_events, &self.bodies);
-        }
-        let (shells, next_events, bodies, now) = (&self.shells, &self.next_events, &self.bodies, self.now);
-        let lists: Vec<Lists> = work_sharing::map(leaving.chunks(TOGETHER), |some| {
-            shells.look_around_each(some.iter().copied(), next_events, bodies, (&scene.domain, now))
-        });
-        let mut each = leaving.iter();
-        for list in &lists {
-            self.shells.checks += list.checks;
-            for (found, &index) in list.each().zip(&mut each) {
-                self.shells.relink(index, found, &mut self.next_events, &self.bodies, (&scene.domain, now));
-                self.parts[self.shells.parts.number(index)].round.predicted.push(index);
-            }
-        }
-        leaving.clear();
-        self.border.leaving = leaving;
-        (self.renewed_at, self.renewals) = (self.now, self.renewals + 1);
-        if self.renewals.is_multiple_of(RENEWALS) {
-            self.limit_speed();
-        }
+    /// Predicts the events of the particles listed in `Round::predicted` of each part at the start of a round.
+    pub(super) fn predict_first_of_round(&mut self, scene: &Scene) {
         self.parts.iter_mut().for_each(|part| part.round.begin(self.now, self.speed, false));
         self.complete(scene, self.now);
+        self.store_with_partners(Vec::new());
     }
 }

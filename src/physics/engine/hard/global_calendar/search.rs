@@ -2,14 +2,14 @@
 //! Two particles are neighbours if they may touch while both stay in their shells: the shells then overlap. The margin
 //! is the distance that a particle may move from the centre of its shell.
 
-use super::next_events::{FlightState, NextEvents};
+use super::next_events::ParticleRange;
 use super::shells::{ShellLevel, Shells};
 use super::sliding::SLIDE;
 use crate::domain::Domain;
 
 /// Neighbour lists of several particles, before they are stored with those of other particles.
 #[derive(Default)]
-pub struct Lists {
+pub struct FoundNeighbours {
     /// Indices of the neighbours of all these particles, one list after the other.
     pub near: Vec<u32>,
     /// Number of neighbours in the list of each particle.
@@ -20,7 +20,7 @@ pub struct Lists {
     pub checks: u64,
 }
 
-impl Lists {
+impl FoundNeighbours {
     /// The neighbour lists one after the other, in the order in which they were made. The second member of each item is
     /// true if a periodic image of a neighbour may be nearer than the neighbour itself.
     pub fn each(&self) -> impl Iterator<Item = (&[u32], bool)> {
@@ -36,44 +36,36 @@ impl Lists {
 /// True if a periodic image of one of the particles in `others` may be nearer to particle `i` than that particle
 /// itself, at the time `now` [s] since the epoch (zero of the calendar's time). False is returned only if all of them
 /// are less than half the shortest periodic edge apart from `i`.
-pub fn has_images(i: u32, others: &[u32], bodies: &[FlightState], (domain, now): (&Domain, f64)) -> bool {
-    let here = bodies[i as usize].position_at(now);
-    others.iter().any(|&j| !domain.is_direct(&(here - bodies[j as usize].position_at(now))))
+pub fn has_images(i: u32, others: &[u32], particles: ParticleRange, (domain, now): (&Domain, f64)) -> bool {
+    let here = particles.body(i).position_at(now);
+    others.iter().any(|&j| !domain.is_direct(&(here - particles.body(j).position_at(now))))
 }
 
 impl Shells {
-    /// Makes the neighbour lists of the particles with the given indices, at the present time `now` [s].
-    pub fn look_around_each(
+    /// Finds the neighbours of the particles with the given indices, at the present time `now` [s].
+    pub fn neighbours_of_each(
         &self,
         indices: impl Iterator<Item = u32>,
-        next_events: &[NextEvents],
-        bodies: &[FlightState],
+        particles: ParticleRange,
         (domain, now): (&Domain, f64),
-    ) -> Lists {
-        let mut lists = Lists::default();
+    ) -> FoundNeighbours {
+        let mut all = FoundNeighbours::default();
         for index in indices {
-            let before = lists.near.len();
-            lists.checks += self.look_around(index, next_events, bodies, domain, &mut lists.near);
-            lists.counts.push((lists.near.len() - before) as u32);
-            lists.across.push(has_images(index, &lists.near[before..], bodies, (domain, now)));
+            let before = all.near.len();
+            all.checks += self.find_neighbours(index, particles, domain, &mut all.near);
+            all.counts.push((all.near.len() - before) as u32);
+            all.across.push(has_images(index, &all.near[before..], particles, (domain, now)));
         }
-        lists
+        all
     }
 
     /// Appends to `found` the indices of all particles whose shells overlap that of particle `i`, and of some whose
     /// shells nearly overlap it. Returns the number of shells tested.
-    pub fn look_around(
-        &self,
-        i: u32,
-        next_events: &[NextEvents],
-        bodies: &[FlightState],
-        domain: &Domain,
-        found: &mut Vec<u32>,
-    ) -> u64 {
-        let (centre, radius) = (next_events[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
+    pub fn find_neighbours(&self, i: u32, particles: ParticleRange, domain: &Domain, found: &mut Vec<u32>) -> u64 {
+        let (centre, radius) = (particles.shell(i).centre(), self.radius(particles.body(i)));
         let near = |j: u32| {
-            let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
-            domain.separation(&centre, &next_events[j as usize].shell.centre()).norm_squared() < reach * reach
+            let reach = radius + self.radius(particles.body(j)) + 2.0 * self.margin;
+            domain.separation(&centre, &particles.shell(j).centre()).norm_squared() < reach * reach
         };
         let mut checks = 0;
         for ShellLevel { cells, smallest, largest } in &self.levels {
@@ -91,21 +83,14 @@ impl Shells {
             }
             found.truncate(end);
         }
-        checks + self.look_across(i, next_events, bodies, domain, found)
+        checks + self.find_across(i, particles, domain, found)
     }
 
     /// Appends to `found` the particles whose shells may overlap an image of the shell of particle `i` across a sheared
     /// side. `domain` gives the mean places of the images, which slide along that side by up to [`SLIDE`] times the
     /// margin in both directions. Returns the number of shells tested.
-    fn look_across(
-        &self,
-        i: u32,
-        next_events: &[NextEvents],
-        bodies: &[FlightState],
-        domain: &Domain,
-        found: &mut Vec<u32>,
-    ) -> u64 {
-        let (centre, radius) = (next_events[i as usize].shell.centre(), self.radius(&bodies[i as usize]));
+    fn find_across(&self, i: u32, particles: ParticleRange, domain: &Domain, found: &mut Vec<u32>) -> u64 {
+        let (centre, radius) = (particles.shell(i).centre(), self.radius(particles.body(i)));
         let mut checks = 0;
         domain.for_each_across(&centre, self.search_radius(domain), |image| {
             for ShellLevel { cells, largest, .. } in &self.levels {
@@ -115,8 +100,8 @@ impl Shells {
                 for k in before..found.len() {
                     let j = found[k];
                     found[end] = j;
-                    let reach = radius + self.radius(&bodies[j as usize]) + 2.0 * self.margin;
-                    let apart = domain.separation(&centre, &next_events[j as usize].shell.centre());
+                    let reach = radius + self.radius(particles.body(j)) + 2.0 * self.margin;
+                    let apart = domain.separation(&centre, &particles.shell(j).centre());
                     end += usize::from(apart.y.abs() < reach && apart.norm() < reach + SLIDE * self.margin);
                 }
                 found.truncate(end);

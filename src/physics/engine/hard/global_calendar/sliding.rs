@@ -7,9 +7,11 @@
 //! times the margin, the distance that a particle may move from the centre of its shell. A list is made for one
 //! interval. When the interval ends, all shells near the sheared sides are made anew.
 
-use super::{CalendarWindow, GlobalCalendar, Recent};
+use super::view::CalendarView;
+use super::{CalendarWindow, GlobalCalendar, Recent, view_of, whole_of};
 use crate::domain::Domain;
 use crate::engine::driver::Work;
+use crate::engine::hard::impulse::ParticleAccess;
 use crate::particles::SideCrossings;
 use crate::record::Record;
 use crate::scene::Scene;
@@ -21,44 +23,43 @@ use std::borrow::Cow;
 /// spheres at a volume fraction of 0.3.
 pub const SLIDE: f64 = 3.0;
 
-impl GlobalCalendar {
+impl<'a> CalendarView<'a> {
     /// The box with its periodic images at their places in the middle of the present interval. Neighbour lists across
     /// sheared sides are made for these places. Without shear, it is the box of the scene itself.
-    pub(super) fn domain_of_interval<'a>(&self, scene: &'a Scene) -> Cow<'a, Domain> {
-        if scene.domain.shear.is_none() {
-            return Cow::Borrowed(&scene.domain);
+    #[inline]
+    pub fn domain_of_lists(&self) -> Cow<'a, Domain> {
+        if self.scene.domain.shear.is_none() {
+            return Cow::Borrowed(&self.scene.domain);
         }
-        scene.domain.at(self.epoch + (self.lists_valid_until - 0.5 * self.interval(scene)))
+        self.domain(self.lists_valid_until - 0.5 * interval(self.shells.margin, self.scene))
     }
+}
 
-    /// Length [s] of an interval in which neighbour lists across sheared sides are valid; infinite if no images slide.
-    fn interval(&self, scene: &Scene) -> f64 {
-        2.0 * SLIDE * self.shells.margin / scene.domain.sliding().abs()
-    }
+/// Length [s] of an interval in which neighbour lists across sheared sides are valid; infinite if no images slide.
+/// `margin` [m] is the distance that a particle may move from the centre of its shell.
+fn interval(margin: f64, scene: &Scene) -> f64 {
+    2.0 * SLIDE * margin / scene.domain.sliding().abs()
+}
 
+impl GlobalCalendar {
     /// Begins, at the present time, an interval in which neighbour lists across sheared sides are valid.
     pub(super) fn begin_interval(&mut self, scene: &Scene) {
-        self.lists_valid_until = self.now + self.interval(scene);
+        self.lists_valid_until = self.now + interval(self.shells.margin, scene);
     }
 
-    /// Gives the particle at `index` a new shell (ball in which its neighbour list is valid). In a sheared box its
-    /// flight begins anew, at its present place in the box. If it crosses a sheared side, the work of the crossing is
-    /// added to the ledger, the sums of energies of the run.
-    pub(super) fn make_shell(&mut self, index: u32, work: &mut Work<Recent>) {
-        let scene = work.scene;
-        if scene.domain.shear.is_some() {
+    /// Gives the particle at `index` a new shell (ball in which its neighbour list is valid), and predicts its events.
+    /// In a sheared box its flight begins anew, at its present place in the box. If it crosses a sheared side, the work
+    /// of the crossing is added to the ledger, the sums of energies of the run.
+    pub(super) fn renew_shell(&mut self, index: u32, work: &mut Work<Recent>, span: CalendarWindow) {
+        if work.scene.domain.shear.is_some() {
             self.cross_sides(index, work);
         }
-        let centre = self.centre(index, scene);
-        let at_wall = self.at_wall(index as usize, scene);
-        let domain = self.domain_of_interval(scene);
-        let (shells, bodies, now) = (&mut self.shells, &self.bodies, self.now);
-        shells.update_neighbour_list(index, (&centre, at_wall), &mut self.next_events, bodies, (&domain, now));
-    }
-
-    /// [m] present position of the particle at `index` in the falling frame, shifted by whole periods into the box.
-    pub(super) fn centre(&self, index: u32, scene: &Scene) -> Vector3<f64> {
-        scene.domain.wrap(&self.bodies[index as usize].position_at(self.now))
+        let around = view_of!(self, work.scene);
+        let particles = ParticleAccess::Exclusive(work.particles);
+        let mut part = whole_of!(self, &around, particles, work.log, span);
+        part.renew_shell(index);
+        let counts = part.counts;
+        self.count(counts);
     }
 
     /// Moves the particle at `index` along its flight to the present time, and shifts it by whole periods into the
@@ -122,8 +123,7 @@ impl GlobalCalendar {
         self.begin_interval(work.scene);
         for index in 0..self.next_events.len() as u32 {
             if self.shells.is_at_sheared_side(&self.next_events[index as usize].shell, &work.scene.domain) {
-                self.make_shell(index, work);
-                self.predict_again(index, work, span);
+                self.renew_shell(index, work, span);
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Data that the events of all particles read: the scene, the frame of the calendar, shells and walls.
 
 use super::frame::FallingFrame;
+use super::next_events::FlightState;
 use super::shells::Shells;
 use super::walls::WallContacts;
 use crate::clock::Clock;
@@ -10,7 +11,8 @@ use crate::walls::{Flight, Wall};
 use nalgebra::Vector3;
 use std::borrow::Cow;
 
-/// Data of the calendar (the event queue of all particles) that no event changes.
+/// Data of the calendar (the event queue of all particles) that no event changes, except for the cells with the
+/// centres of shells.
 #[derive(Clone, Copy)]
 pub struct CalendarView<'a> {
     /// The scene of the window.
@@ -23,7 +25,9 @@ pub struct CalendarView<'a> {
     pub horizon: f64,
     /// [s] simulated time at the epoch, from which times are counted.
     pub epoch: f64,
-    /// Shells (balls in which neighbour lists are valid) of all particles, with the lists.
+    /// [s] time since the epoch until which neighbour lists across sheared sides are valid; infinite without shear.
+    pub lists_valid_until: f64,
+    /// Shells (balls in which neighbour lists are valid) of all particles.
     pub shells: &'a Shells,
     /// Contacts with the walls of the scene.
     pub walls: &'a WallContacts,
@@ -75,6 +79,13 @@ impl<'a> CalendarView<'a> {
             return (self.scene.domain.nearest_image(&(a - b)), velocity);
         }
         self.domain(now).relative(a, b, velocity, 0.0)
+    }
+
+    /// Position [m] of the particle with the flight `body` in the falling frame at `now` [s] since the epoch (zero of
+    /// the calendar's time), shifted by whole periods into the box.
+    #[inline]
+    pub fn centre(&self, body: &FlightState, now: f64) -> Vector3<f64> {
+        self.scene.domain.wrap(&body.position_at(now))
     }
 
     /// Flight, relative to the scene, of a body that has `position` [m] and `velocity` [m/s] in the frame of the
