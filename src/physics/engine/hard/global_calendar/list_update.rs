@@ -2,7 +2,7 @@
 //! of particles with consecutive indices, whose events one thread processes.
 
 use super::division::Division;
-use super::neighbour_lists::{NeighbourLists, lists_of_mut};
+use super::neighbour_lists::{NeighbourLists, lists_of, lists_of_mut};
 use super::next_events::NextEvents;
 use super::shells::Shell;
 
@@ -59,10 +59,20 @@ impl ListUpdate<'_> {
         *self.shell(index) = shell;
     }
 
+    /// Makes a change that the thread of another part has asked for, unless the list is as wanted already: the particle
+    /// may have got a new list at the same time.
+    pub fn apply(&mut self, change: ListChange) {
+        let shell = *self.shell(change.of);
+        let near = lists_of(self.lists, self.division, change.of).neighbours(&shell);
+        if near.contains(&change.other) != change.is_added {
+            self.change(change, &mut Vec::new());
+        }
+    }
+
     /// Makes a change to a list of these particles. The change is appended to `elsewhere` if the list belongs to another
     /// particle.
     #[inline]
-    pub fn change(&mut self, change: ListChange, elsewhere: &mut Vec<ListChange>) {
+    fn change(&mut self, change: ListChange, elsewhere: &mut Vec<ListChange>) {
         let ListChange { of, other, is_added, across } = change;
         let Some(NextEvents { shell, .. }) = self.next_events.get_mut(of.wrapping_sub(self.first) as usize) else {
             return elsewhere.push(change);
@@ -115,8 +125,31 @@ mod tests {
         // particle 3 stays a neighbour of 2, so only the list of particle 4 must change in the other part
         assert_eq!(elsewhere.len(), 1);
         let mut update = ListUpdate { division: &division, first: 3, next_events: others, lists: &mut lists[1..] };
-        elsewhere.into_iter().for_each(|change| update.change(change, &mut Vec::new()));
+        elsewhere.into_iter().for_each(|change| update.apply(change));
         assert_eq!([3, 4].map(|index| neighbours(&mut update, index)), [vec![2, 4], vec![2, 3, 5]]);
         assert!(update.shell(4).at_border && !update.shell(5).at_border);
+    }
+
+    #[test]
+    fn two_particles_of_different_parts_that_get_lists_at_once_are_neighbours_once() {
+        let division = Division::new(4, 2);
+        let mut lists = vec![NeighbourLists::default(); 2];
+        let mut next_events = vec![NextEvents::blank(); 4];
+        for (index, events) in (0u32..).zip(&mut next_events) {
+            lists_of_mut(&mut lists, &division, index).append(index, &[3 - index], &mut events.shell);
+        }
+        // 0 and 3 cease to be neighbours, and 0 and 2 become neighbours; all three have new shells
+        let mut elsewhere = Vec::new();
+        let parts = next_events.split_at_mut(2);
+        for (first, part, own, found) in
+            [(0, parts.0, 0..1, vec![(0, vec![2])]), (2, parts.1, 1..2, vec![(2, vec![1, 0]), (3, vec![])])]
+        {
+            let mut update = ListUpdate { division: &division, first, next_events: part, lists: &mut lists[own] };
+            found.iter().for_each(|(index, near)| update.relink(*index, (near, false), &mut elsewhere));
+        }
+        let mut all = ListUpdate { division: &division, first: 0, next_events: &mut next_events, lists: &mut lists };
+        elsewhere.into_iter().for_each(|change| all.apply(change));
+        let near: Vec<_> = (0..4).map(|index| neighbours(&mut all, index)).collect();
+        assert_eq!(near, [vec![2], vec![2], vec![0, 1], vec![]]);
     }
 }

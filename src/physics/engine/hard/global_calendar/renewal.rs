@@ -100,6 +100,6 @@ impl GlobalCalendar {
         });
         let (next_events, lists) = (&mut self.next_events, &mut self.lists);
         let mut all = ListUpdate { division, first: 0, next_events, lists };
-        elsewhere.into_iter().flatten().for_each(|change| all.change(change, &mut Vec::new()));
+        elsewhere.into_iter().flatten().for_each(|change| all.apply(change));
     }
 }
