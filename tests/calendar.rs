@@ -198,6 +198,14 @@ fn threads_share_the_events_of_spheres_of_two_sizes() {
 }
 
 #[test]
+fn threads_keep_apart_when_their_spheres_mix() {
+    // in a dilute gas, spheres soon fly into the cells of the other part
+    let (scene, start) = gas(20_000, 0.1, 3);
+    let simulations = on_threads(&scene, &start, 2.0);
+    assert!(simulations[0].record.pairs.count > 20_000, "{}", simulations[0].record.pairs.count);
+}
+
+#[test]
 fn a_round_is_repeated_if_a_sphere_becomes_too_fast() {
     let edge = edge(20_000, 1.0, 0.45);
     let mut scene = empty([edge; 3], [true, false, true], unit(), surface(0.95, 0.0));
