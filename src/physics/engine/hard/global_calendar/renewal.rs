@@ -12,6 +12,10 @@ use crate::engine::driver::Work;
 use crate::engine::hard::impulse::ParticleAccess;
 use crate::work_sharing;
 
+/// Number of times that new shells are made between rounds before the largest speed and the territories of the parts are
+/// determined again.
+pub const RENEWALS: u32 = 64;
+
 impl Part<'_> {
     /// Gives the particle at `index` a new shell (ball in which its neighbour list is valid) about its present
     /// position, and predicts its events.
@@ -101,5 +105,15 @@ impl GlobalCalendar {
         let (next_events, lists) = (&mut self.next_events, &mut self.lists);
         let mut all = ListUpdate { division, first: 0, next_events, lists };
         elsewhere.into_iter().flatten().for_each(|change| all.apply(change));
+    }
+
+    /// Takes account of new shells that have been made between rounds. From time to time, the largest speed and the
+    /// territories of the parts are determined again.
+    fn note_renewal(&mut self) {
+        (self.renewed_at, self.renewals) = (self.now, self.renewals + 1);
+        if self.renewals.is_multiple_of(RENEWALS) {
+            self.limit_speed();
+            self.shells.divide_cells(&self.next_events);
+        }
     }
 }

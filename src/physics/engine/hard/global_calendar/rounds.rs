@@ -47,14 +47,15 @@ const FEWEST: usize = 10_000;
 const SLACK: f64 = 0.08;
 
 /// [-] speed that no particle may exceed in a round, divided by the largest speed of any particle. That largest speed
-/// is computed when the particles are divided, and again after every [`RENEWALS`] makings of new shells.
+/// is computed when the particles are divided, and again from time to time
+/// ([`RENEWALS`](super::renewal::RENEWALS)).
 const FASTER: f64 = 1.25;
 
 /// [-] factor by which rounds become longer after each successful round with few collisions.
 const LONGER: f64 = 1.01;
 
-/// [-] factor by which rounds become shorter after each failed round. Together with [`LONGER`], about one round in ten
-/// fails.
+/// [-] factor by which rounds become shorter after each failed round. Together with [`LONGER`], about one round in
+/// twenty fails.
 const SHORTER: f64 = 0.8;
 
 /// [-] shortest length of a round over the longest. The first round has the shortest length: just after a random start
@@ -68,9 +69,6 @@ const PER_COLLISION: usize = 128;
 /// Largest number of failures after which a round is tried again; after one more failure, one thread processes its
 /// events.
 const ATTEMPTS: u32 = 3;
-
-/// Number of times that new shells are made between rounds before the largest speed is computed again.
-const RENEWALS: u32 = 64;
 
 /// Data that the events of one round write: those of one part, or those that concern several parts.
 #[derive(Clone, Default)]
@@ -325,19 +323,9 @@ impl GlobalCalendar {
         }
     }
 
-    /// Takes account of new shells that have been made between rounds. From time to time, the largest speed and the
-    /// territories of the parts are determined again.
-    pub(super) fn note_renewal(&mut self) {
-        (self.renewed_at, self.renewals) = (self.now, self.renewals + 1);
-        if self.renewals.is_multiple_of(RENEWALS) {
-            self.limit_speed();
-            self.shells.divide_cells(&self.next_events);
-        }
-    }
-
     /// Chooses the speed that no particle may exceed, the length of the next round, and the time for which touches are
     /// predicted after an exit from a shell.
-    fn limit_speed(&mut self) {
+    pub(super) fn limit_speed(&mut self) {
         let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, f64::max).sqrt();
         self.speed = FASTER * fastest;
         let longest = self.slack / self.speed;
