@@ -145,6 +145,15 @@ fn names(table: &KeyTable) -> BTreeSet<String> {
     table.keys.iter().map(|key| key.name.clone()).chain(inner).collect()
 }
 
+/// A list in place of a table is refused. Its elements are not read as the values of the keys, in their order.
+#[test]
+fn a_list_is_no_table() {
+    for set in ["domain=[1, 2, 3]", "contact=[]", "drag.schiller_naumann=[]", "walls[1].sphere=[1, 2]"] {
+        let said = told(FULL, &[set.to_owned()], None);
+        assert!(said.contains("a list where a table belongs"), "{set}: {said}");
+    }
+}
+
 #[test]
 fn the_page_of_keys_is_up_to_date() {
     let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/keys.md")).unwrap();

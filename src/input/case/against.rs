@@ -1,7 +1,7 @@
 //! Key `against` of a variant: the name of another variant, or a table of values. A variant is the case with one
 //! collision model and some settings.
 
-use super::de::Located;
+use super::located::Located;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde::de::{MapAccess, Visitor};

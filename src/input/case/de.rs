@@ -3,21 +3,19 @@
 //!
 //! The code that serde derives for each table contains the keys of that table. This deserializer walks through the tree
 //! and gives the values to that code. If a value does not fit its type, the error contains the source position of the
-//! value. A field of type [`Located`] receives the source position of a value that fits.
+//! value. A field of type [`Located`](super::located::Located) receives the source position of a value that fits.
 
 use super::diagnostic::Diagnostic;
+use super::located::LOCATED;
 use super::source::{Origin, Sources};
 use super::tree::{CaseNode, Entry, Value, child_place};
 use crate::legible::quote;
-use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::value::{StrDeserializer, U64Deserializer};
 use serde::de::{
     self, Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error as _, IntoDeserializer, MapAccess, SeqAccess,
     Unexpected, VariantAccess, Visitor,
 };
-use std::borrow::Cow;
 use std::fmt;
-use std::marker::PhantomData;
 
 /// Text that separates the message from the remedy in a custom error.
 pub(in crate::case) const HELP_MARK: &str = "\u{1}help: ";
@@ -26,12 +24,13 @@ pub(in crate::case) const HELP_MARK: &str = "\u{1}help: ";
 /// the caller.
 #[derive(Clone, Debug)]
 pub struct Error {
-    kind: EnumVisitor,
+    // boxed, as the place is: each type that is read passes errors on
+    kind: Box<ReadErrorKind>,
     at: Option<Box<(Origin, String)>>,
 }
 
 #[derive(Clone, Debug)]
-enum EnumVisitor {
+enum ReadErrorKind {
     UnknownKey { key: String, known: &'static [&'static str] },
     UnknownName { name: String, known: &'static [&'static str] },
     WrongType { found: String, expected: String },
@@ -39,8 +38,8 @@ enum EnumVisitor {
 }
 
 impl Error {
-    fn new(kind: EnumVisitor) -> Self {
-        Self { kind, at: None }
+    fn new(kind: ReadErrorKind) -> Self {
+        Self { kind: Box::new(kind), at: None }
     }
 
     /// Adds the source position and the key path of the value, unless the error already has those of a value inside
@@ -55,17 +54,17 @@ impl Error {
         let (origin, path) = self.at.map_or((Origin { source: 0, span: 0..0 }, String::new()), |at| *at);
         let typed = sources.typed(&origin);
         let value = if typed.is_empty() || typed.starts_with('[') { String::new() } else { format!(" = {typed}") };
-        match self.kind {
-            EnumVisitor::UnknownKey { key, known } => {
+        match *self.kind {
+            ReadErrorKind::UnknownKey { key, known } => {
                 let table = if path.is_empty() { "the case".to_string() } else { format!("`{path}`") };
                 let diagnostic = sources.error(&origin, format!("unknown key `{}` in {table}", quote(&key)));
                 diagnostic.help(suggestion(&key, known, "known keys"))
             }
-            EnumVisitor::UnknownName { name, known } => {
+            ReadErrorKind::UnknownName { name, known } => {
                 let diagnostic = sources.error(&origin, format!("`{path}`: unknown name `{}`", quote(&name)));
                 diagnostic.help(suggestion(&name, known, "known names"))
             }
-            EnumVisitor::WrongType { found, expected } => {
+            ReadErrorKind::WrongType { found, expected } => {
                 let message = format!("`{path}`{value}: {found} where {expected} belongs");
                 let takes_list = expected.contains("array") || expected.starts_with("a list");
                 let quoted = with_quotes(&typed).filter(|_| takes_list && found == "a string");
@@ -73,7 +72,7 @@ impl Error {
                 let help = format!("`{path}` takes {expected}{}", form.unwrap_or_default());
                 sources.error(&origin, message).help(help)
             }
-            EnumVisitor::Other(text) => {
+            ReadErrorKind::Other(text) => {
                 let (message, help) = match text.split_once(HELP_MARK) {
                     Some((message, help)) => (message, Some(help.to_string())),
                     None => (text.as_str(), None),
@@ -147,7 +146,7 @@ fn found(unexpected: &Unexpected) -> String {
 
 impl de::Error for Error {
     fn custom<T: fmt::Display>(message: T) -> Self {
-        Self::new(EnumVisitor::Other(message.to_string()))
+        Self::new(ReadErrorKind::Other(message.to_string()))
     }
 
     fn invalid_type(unexpected: Unexpected, expected: &dyn de::Expected) -> Self {
@@ -164,7 +163,7 @@ impl de::Error for Error {
                     _ => expected,
                 }
             };
-        Self::new(EnumVisitor::WrongType { found: found(&unexpected), expected })
+        Self::new(ReadErrorKind::WrongType { found: found(&unexpected), expected })
     }
 
     fn invalid_value(unexpected: Unexpected, expected: &dyn de::Expected) -> Self {
@@ -173,63 +172,15 @@ impl de::Error for Error {
 
     fn invalid_length(length: usize, expected: &dyn de::Expected) -> Self {
         let expected = expected.to_string().replace("an array of length", "a list of length");
-        Self::new(EnumVisitor::WrongType { found: format!("a list of length {length}"), expected })
+        Self::new(ReadErrorKind::WrongType { found: format!("a list of length {length}"), expected })
     }
 
     fn unknown_variant(variant: &str, expected: &'static [&'static str]) -> Self {
-        Self::new(EnumVisitor::UnknownName { name: variant.into(), known: expected })
+        Self::new(ReadErrorKind::UnknownName { name: variant.into(), known: expected })
     }
 
     fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
-        Self::new(EnumVisitor::UnknownKey { key: field.into(), known: expected })
-    }
-}
-
-/// Value with its source position and its key path, for messages of later checks.
-#[derive(Clone, Debug)]
-pub struct Located<T> {
-    /// Value that was read from the case.
-    pub value: T,
-    /// Position of the value in its source text.
-    pub origin: Origin,
-    /// Path of the key, such as `particles[0].diameter`.
-    pub path: String,
-}
-
-/// Name of a tuple struct by which [`Located`] requests the source position from the deserializer.
-const LOCATED: &str = "$located";
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Located<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Fields<T>(PhantomData<T>);
-        impl<'de, T: Deserialize<'de>> Visitor<'de> for Fields<T> {
-            type Value = Located<T>;
-
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a value of a case")
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Located<T>, A::Error> {
-                let missing = || A::Error::custom("a value without a place");
-                let value = seq.next_element::<T>()?.ok_or_else(missing)?;
-                let source = seq.next_element::<u64>()?.ok_or_else(missing)? as usize;
-                let start = seq.next_element::<u64>()?.ok_or_else(missing)? as usize;
-                let end = seq.next_element::<u64>()?.ok_or_else(missing)? as usize;
-                let path = seq.next_element::<String>()?.ok_or_else(missing)?;
-                Ok(Located { value, origin: Origin { source, span: start..end }, path })
-            }
-        }
-        deserializer.deserialize_tuple_struct(LOCATED, 5, Fields(PhantomData))
-    }
-}
-
-impl<T: JsonSchema> JsonSchema for Located<T> {
-    fn schema_name() -> Cow<'static, str> {
-        T::schema_name()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        T::json_schema(generator)
+        Self::new(ReadErrorKind::UnknownKey { key: field.into(), known: expected })
     }
 }
 
@@ -238,44 +189,95 @@ impl<T: JsonSchema> JsonSchema for Located<T> {
 /// # Errors
 /// The first value that does not fit, with its source position.
 pub fn read<'de, T: Deserialize<'de>>(root: &'de CaseNode) -> Result<T, Error> {
-    T::deserialize(NodeDeserializer { node: root, path: String::new() })
+    T::deserialize(NodeDeserializer::new(root, String::new()))
 }
 
+/// Table without entries, of which a law consists that is typed by its name alone, as in `drag = "stokes"`.
+static NO_ENTRIES: Value = Value::Table(Vec::new());
+
+/// Value of a case to be read, with its source position and its key path. Generic functions here are made once for each
+/// type in a case file, so they leave to others all that depends on no type.
+#[derive(Clone)]
 struct NodeDeserializer<'de> {
-    node: &'de CaseNode,
+    value: &'de Value,
+    origin: &'de Origin,
     path: String,
+}
+
+impl<'de> NodeDeserializer<'de> {
+    fn new(node: &'de CaseNode, path: String) -> Self {
+        Self { value: &node.value, origin: &node.origin, path }
+    }
+
+    fn wrong_type(&self, expected: String) -> Error {
+        Error::new(ReadErrorKind::WrongType { found: self.value.kind().into(), expected }).at(self.origin, &self.path)
+    }
+
+    /// Entries of the value.
+    ///
+    /// # Errors
+    /// The value is not a table.
+    fn table(&self) -> Result<TableAccess<'de, '_>, Error> {
+        match self.value {
+            Value::Table(entries) => Ok(TableAccess { entries: entries.iter(), value: None, path: &self.path }),
+            _ => Err(self.wrong_type("a table".into())),
+        }
+    }
+
+    /// Name in the value, with the table of its parameters.
+    ///
+    /// # Errors
+    /// The value is neither a name nor a table with one key, which is one of `names`.
+    fn name(&self, names: &[&str]) -> Result<NameAccess<'de, '_>, Error> {
+        let path = &self.path;
+        match self.value {
+            Value::String(name) => Ok(NameAccess { name, origin: self.origin, content: None, path }),
+            Value::Table(entries) => match entries.as_slice() {
+                [Entry { key, key_origin, node }] => {
+                    Ok(NameAccess { name: key, origin: key_origin, content: Some(node), path })
+                }
+                _ => {
+                    let typed =
+                        entries.iter().map(|entry| format!("`{}`", entry.key)).collect::<Vec<_>>().join(" and ");
+                    let typed = if typed.is_empty() { "nothing".to_string() } else { typed };
+                    let names = names.join("`, `");
+                    let message = format_args!("names {typed}{HELP_MARK}choose exactly one of `{names}`");
+                    Err(Error::custom(message).at(self.origin, path))
+                }
+            },
+            _ => Err(self.wrong_type(format!("one of `{}`", names.join("`, `")))),
+        }
+    }
 }
 
 impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
     type Error = Error;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
-        let Self { node, path } = self;
-        let result = match &node.value {
+        let Self { value, origin, path } = self;
+        let result = match value {
             Value::Table(entries) => {
                 visitor.visit_map(TableAccess { entries: entries.iter(), value: None, path: &path })
             }
             Value::Array(items) => {
                 let mut access = ListAccess { items, next: 0, path: &path };
-                visitor.visit_seq(&mut access).and_then(|value| {
-                    if access.next == items.len() {
-                        Ok(value)
-                    } else {
-                        let expected =
-                            if access.next == 1 { "1 element".into() } else { format!("{} elements", access.next) };
-                        Err(Error::new(EnumVisitor::WrongType {
-                            found: format!("a list of {} elements", items.len()),
-                            expected: format!("a list of {expected}"),
-                        }))
-                    }
-                })
+                visitor.visit_seq(&mut access).and_then(|value| access.end().map(|()| value))
             }
             Value::String(text) => visitor.visit_borrowed_str(text),
             Value::Integer(number) => visitor.visit_i64(*number),
             Value::Float(number) => visitor.visit_f64(*number),
             Value::Boolean(yes) => visitor.visit_bool(*yes),
         };
-        result.map_err(|error| error.at(&node.origin, &path))
+        result.map_err(|error| error.at(origin, &path))
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Error> {
+        visitor.visit_map(self.table()?).map_err(|error| error.at(self.origin, &self.path))
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
@@ -292,11 +294,14 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
         _: usize,
         visitor: V,
     ) -> Result<V::Value, Error> {
-        if name == LOCATED {
-            visitor.visit_seq(PlaceAccess { deserializer: self, field: 0 })
-        } else {
-            self.deserialize_any(visitor)
+        match name {
+            LOCATED => visitor.visit_seq(SameValue(self)),
+            _ => Err(self.wrong_type(format!("`{name}`, which no case can hold,"))),
         }
+    }
+
+    fn deserialize_unit_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, Error> {
+        visitor.visit_seq(PlaceAccess { place: self, field: 0 })
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -305,34 +310,7 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
         names: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Error> {
-        let Self { node, path } = self;
-        let result = match &node.value {
-            Value::String(name) => {
-                visitor.visit_enum(NameAccess { name, origin: &node.origin, content: None, path: &path })
-            }
-            Value::Table(entries) => match entries.as_slice() {
-                [entry] => visitor.visit_enum(NameAccess {
-                    name: &entry.key,
-                    origin: &entry.key_origin,
-                    content: Some(&entry.node),
-                    path: &path,
-                }),
-                _ => {
-                    let typed =
-                        entries.iter().map(|entry| format!("`{}`", entry.key)).collect::<Vec<_>>().join(" and ");
-                    let typed = if typed.is_empty() { "nothing".to_string() } else { typed };
-                    Err(Error::custom(format_args!(
-                        "names {typed}{HELP_MARK}choose exactly one of `{}`",
-                        names.join("`, `")
-                    )))
-                }
-            },
-            other => Err(Error::new(EnumVisitor::WrongType {
-                found: other.kind().into(),
-                expected: format!("one of `{}`", names.join("`, `")),
-            })),
-        };
-        result.map_err(|error| error.at(&node.origin, &path))
+        visitor.visit_enum(self.name(names)?).map_err(|error| error.at(self.origin, &self.path))
     }
 
     fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
@@ -340,8 +318,8 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
     }
 
     serde::forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple
-        map struct identifier
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit seq tuple map
+        identifier
     }
 }
 
@@ -363,7 +341,7 @@ impl<'de> MapAccess<'de> for TableAccess<'de, '_> {
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Error> {
         let entry = self.value.take().ok_or_else(|| Error::custom("a value without a key"))?;
-        seed.deserialize(NodeDeserializer { node: &entry.node, path: child_place(self.path, &entry.key) })
+        seed.deserialize(NodeDeserializer::new(&entry.node, child_place(self.path, &entry.key)))
     }
 }
 
@@ -373,20 +351,54 @@ struct ListAccess<'de, 'p> {
     path: &'p str,
 }
 
+impl<'de> ListAccess<'de, '_> {
+    fn next(&mut self) -> Option<NodeDeserializer<'de>> {
+        let node = self.items.get(self.next)?;
+        let path = format!("{}[{}]", self.path, self.next);
+        self.next += 1;
+        Some(NodeDeserializer::new(node, path))
+    }
+
+    /// Ends the list.
+    ///
+    /// # Errors
+    /// Elements are left that no type takes.
+    fn end(&self) -> Result<(), Error> {
+        let (read, all) = (self.next, self.items.len());
+        if read == all {
+            return Ok(());
+        }
+        let elements = if read == 1 { "element" } else { "elements" };
+        Err(Error::new(ReadErrorKind::WrongType {
+            found: format!("a list of {all} elements"),
+            expected: format!("a list of {read} {elements}"),
+        }))
+    }
+}
+
 impl<'de> SeqAccess<'de> for &mut ListAccess<'de, '_> {
     type Error = Error;
 
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Error> {
-        let Some(node) = self.items.get(self.next) else { return Ok(None) };
-        let path = format!("{}[{}]", self.path, self.next);
-        self.next += 1;
-        seed.deserialize(NodeDeserializer { node, path }).map(Some)
+        self.next().map(|element| seed.deserialize(element)).transpose()
     }
 }
 
-/// Sequence of the five fields of [`Located`], from which serde reads them: value, source, start, end, path.
+/// Sequence of the same value, any number of times. From it serde reads a
+/// [`Located`](super::located::Located): first the place, then the value.
+struct SameValue<'de>(NodeDeserializer<'de>);
+
+impl<'de> SeqAccess<'de> for SameValue<'de> {
+    type Error = Error;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Error> {
+        seed.deserialize(self.0.clone()).map(Some)
+    }
+}
+
+/// Sequence of the four fields of a [`Place`](super::located::Place): source, start, end, path.
 struct PlaceAccess<'de> {
-    deserializer: NodeDeserializer<'de>,
+    place: NodeDeserializer<'de>,
     field: usize,
 }
 
@@ -394,15 +406,14 @@ impl<'de> SeqAccess<'de> for PlaceAccess<'de> {
     type Error = Error;
 
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Error> {
-        let NodeDeserializer { node, path } = &self.deserializer;
+        let NodeDeserializer { origin, path, .. } = &self.place;
         let number = |number: usize| U64Deserializer::<Error>::new(number as u64);
         self.field += 1;
         match self.field {
-            1 => seed.deserialize(NodeDeserializer { node, path: path.clone() }),
-            2 => seed.deserialize(number(node.origin.source)),
-            3 => seed.deserialize(number(node.origin.span.start)),
-            4 => seed.deserialize(number(node.origin.span.end)),
-            5 => seed.deserialize(path.as_str().into_deserializer()),
+            1 => seed.deserialize(number(origin.source)),
+            2 => seed.deserialize(number(origin.span.start)),
+            3 => seed.deserialize(number(origin.span.end)),
+            4 => seed.deserialize(path.as_str().into_deserializer()),
             _ => return Ok(None),
         }
         .map(Some)
@@ -424,41 +435,38 @@ impl<'de, 'p> EnumAccess<'de> for NameAccess<'de, 'p> {
     fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, ContentAccess<'de>), Error> {
         let name: StrDeserializer<'_, Error> = self.name.into_deserializer();
         let variant = seed.deserialize(name).map_err(|error| error.at(self.origin, self.path))?;
-        Ok((variant, ContentAccess { content: self.content, path: child_place(self.path, self.name) }))
+        let content = match self.content {
+            Some(node) => NodeDeserializer::new(node, child_place(self.path, self.name)),
+            None => NodeDeserializer { value: &NO_ENTRIES, origin: self.origin, path: self.path.to_owned() },
+        };
+        Ok((variant, ContentAccess { content, is_typed: self.content.is_some() }))
     }
 }
 
+/// Table of the parameters of a law, from which serde reads the variant of an enum.
 struct ContentAccess<'de> {
-    content: Option<&'de CaseNode>,
-    path: String,
+    content: NodeDeserializer<'de>,
+    /// The case contains a table, not the name of the law alone.
+    is_typed: bool,
 }
 
 impl<'de> VariantAccess<'de> for ContentAccess<'de> {
     type Error = Error;
 
     fn unit_variant(self) -> Result<(), Error> {
-        match self.content {
-            None => Ok(()),
-            Some(node) => Err(Error::custom("takes no table").at(&node.origin, &self.path)),
-        }
+        let NodeDeserializer { origin, path, .. } = &self.content;
+        if self.is_typed { Err(Error::custom("takes no table").at(origin, path)) } else { Ok(()) }
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Error> {
-        match self.content {
-            Some(node) => seed.deserialize(NodeDeserializer { node, path: self.path }),
-            // `drag = "stokes"` is read as an empty table
-            None => seed.deserialize(de::value::MapDeserializer::<_, Error>::new(std::iter::empty::<(&str, u64)>())),
-        }
+        seed.deserialize(self.content)
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Error> {
-        self.struct_variant(&[], visitor)
+        self.content.deserialize_any(visitor)
     }
 
     fn struct_variant<V: Visitor<'de>>(self, _: &'static [&'static str], visitor: V) -> Result<V::Value, Error> {
-        match self.content {
-            Some(node) => NodeDeserializer { node, path: self.path }.deserialize_any(visitor),
-            None => visitor.visit_map(de::value::MapDeserializer::new(std::iter::empty::<(&str, u64)>())),
-        }
+        self.content.deserialize_struct("", &[], visitor)
     }
 }

@@ -49,8 +49,8 @@ pub use thermostat::ThermostatFile;
 pub use walls::{BoxFile, ConeFile, CuboidFile, CylinderFile, MeshFile, PlaneFile, SphereFile, WallFile};
 
 use super::against::AgainstFile;
-use super::de::Located;
 use super::fluctuation::FluctuationFile;
+use super::located::Located;
 use super::quantity::{Acceleration, Density, Length, Pressure, Ratio, Speed, Spin, Stiffness, Time};
 use super::time_or_word::{AverageFromFile, WindowFile};
 use crate::experiment::{Integrator, Model, SoftStepping, TrajectoryFormat};

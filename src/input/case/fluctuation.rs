@@ -1,6 +1,6 @@
 //! Velocity fluctuation in a case file: one speed for all components, or one for each.
 
-use super::de::Located;
+use super::located::Located;
 use super::quantity::{QUANTITY, Speed, UNIT, si_unit};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;

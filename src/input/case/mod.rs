@@ -19,6 +19,7 @@ pub mod file;
 mod fluctuation;
 mod given;
 pub mod keys;
+pub mod located;
 mod merge;
 mod models;
 mod parameters;

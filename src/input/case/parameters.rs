@@ -271,33 +271,3 @@ fn particles(experiment: &Experiment) -> Vec<Value> {
         })
         .collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::case::Case;
-    use crate::experiment::Model;
-    use std::path::Path;
-
-    /// The parameters tell inlets, outlets, two-way coupling, and the settings of the model.
-    #[test]
-    fn parameters_name_what_the_case_sets() {
-        let rows = [
-            (
-                "driven/chute.toml",
-                "run.seed=1",
-                None,
-                &["/inlets/0/species", "/inlets/0/region/box/center", "/outlets/0/name"][..],
-            ),
-            ("coupling/channel-d.toml", "fluid.coupling.modulation=none", None, &["/fluid/coupling/slices"]),
-            ("dense-gas.toml", "run.seed=1", Some(Model::Dsmc), &["/dsmc/enskog"]),
-            ("dense-gas.toml", "run.seed=1", Some(Model::Hybrid), &["/hybrid/clearance"]),
-        ];
-        for (name, set, model, wanted) in rows {
-            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
-            let case = Case::read(&path, &[set.to_owned()]).unwrap();
-            let (experiment, _) = case.experiment(model, None).unwrap();
-            let value = super::parameters(&experiment);
-            assert!(wanted.iter().all(|place| value.pointer(place).is_some_and(|found| !found.is_null())), "{value:#}");
-        }
-    }
-}

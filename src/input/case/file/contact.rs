@@ -1,7 +1,7 @@
 //! Contacts between particles, and pairs with contact properties of their own.
 
 use super::RestitutionFile;
-use crate::case::de::Located;
+use crate::case::located::Located;
 use crate::case::quantity::{Length, Ratio, Speed, Stiffness, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;

@@ -1,6 +1,6 @@
 //! Keys of the gas, its flow and its drag.
 
-use crate::case::de::Located;
+use crate::case::located::Located;
 use crate::case::quantity::{
     Density, DissipationRate, KinematicViscosity, Length, PressureGradient, Ratio, SpecificEnergy, Speed,
 };

@@ -1,7 +1,7 @@
 //! Table of a wall whose shape moves.
 
 use super::Three;
-use crate::case::de::Located;
+use crate::case::located::Located;
 use crate::case::quantity::{Area, Length, Pressure, PressurePerSpeed, Ratio, Speed, Spin, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;

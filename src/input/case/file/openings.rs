@@ -1,7 +1,7 @@
 //! Tables of inlets and outlets.
 
 use super::{BlockRegionFile, CylinderRegionFile, PlaneFile, Three};
-use crate::case::de::Located;
+use crate::case::located::Located;
 use crate::case::quantity::{Length, MassRate, Ratio, Spin, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;

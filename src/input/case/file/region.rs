@@ -1,7 +1,7 @@
 //! The part of the domain in which a random start places particles: the key `in` of `[[particles]]`.
 
 use super::{Axis, Three};
-use crate::case::de::Located;
+use crate::case::located::Located;
 use crate::case::quantity::Length;
 use schemars::JsonSchema;
 use serde::Deserialize;

@@ -1,6 +1,7 @@
 //! Restitution in a case file: one number, or a law by which it depends on the speed.
 
-use crate::case::de::{HELP_MARK, Located};
+use crate::case::de::HELP_MARK;
+use crate::case::located::Located;
 use crate::case::quantity::{QUANTITY, Ratio, Speed};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;

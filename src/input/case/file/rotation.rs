@@ -1,7 +1,7 @@
 //! Tangential laws of soft contacts, rolling and twisting resistance, and rules of the tangential impulse of hard
 //! impacts.
 
-use crate::case::de::Located;
+use crate::case::located::Located;
 use crate::case::quantity::{Ratio, Slowness};
 use schemars::JsonSchema;
 use serde::Deserialize;

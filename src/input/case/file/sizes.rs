@@ -1,6 +1,6 @@
 //! Distributions of diameters: the key `sizes` of `[[particles]]`.
 
-use crate::case::de::Located;
+use crate::case::located::Located;
 use crate::case::quantity::{Length, Ratio};
 use schemars::JsonSchema;
 use serde::Deserialize;

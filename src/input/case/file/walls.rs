@@ -1,7 +1,7 @@
 //! Walls and their shapes.
 
 use super::{Axis, ElasticityFile, MotionFile, RestitutionFile, Three};
-use crate::case::de::Located;
+use crate::case::located::Located;
 use crate::case::quantity::{Length, Ratio, SpecificEnergy, Speed, Spin};
 use schemars::JsonSchema;
 use serde::Deserialize;

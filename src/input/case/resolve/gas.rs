@@ -2,9 +2,9 @@
 //! defined at all particles, and that the drag law is valid for them.
 
 use super::{Resolver, short};
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::CaseFile;
+use crate::case::located::Located;
 use crate::case::quantity::{Length, Quantity, Ratio, Speed};
 use crate::domain::Domain;
 use crate::experiment::{Amount, Experiment, Population};

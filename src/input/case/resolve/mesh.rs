@@ -3,9 +3,9 @@
 
 use super::walls::{OWN_IMAGE, too_near_its_image};
 use super::{Resolver, short, vector};
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::MeshFile;
+use crate::case::located::Located;
 use crate::domain::Domain;
 use crate::memory;
 use crate::triangles::{Heap, TriangleFile, TriangleFormat};

@@ -29,9 +29,9 @@ mod turbulence;
 mod walls;
 
 use super::built_in;
-use super::de::Located;
 use super::diagnostic::Diagnostic;
 use super::file::{CaseFile, Three};
+use super::located::Located;
 use super::quantity::Quantity;
 use super::rules::{is_within, range};
 use super::source::{Origin, SourceKind, Sources};

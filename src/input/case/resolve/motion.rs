@@ -1,9 +1,9 @@
 //! Reads and checks the motion of the shapes of walls.
 
 use super::{Resolver, vector};
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, KnotFile, MotionFile, ServoFile, ShapeTurningFile, VibrationFile};
+use crate::case::located::Located;
 use crate::domain::Domain;
 use crate::experiment::{Experiment, Model};
 use crate::walls::{MovingShape, PiecewisePath, PrescribedMotion, ServoMotion, ServoState, Turning, Wall};

@@ -1,13 +1,13 @@
 //! Reads and checks the measurements in addition to the standard ones.
 
 use super::Resolver;
-use crate::case::de::Located;
 use crate::case::describe::length;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{
     CaseFile, ClustersFile, DiffusionFile, FieldsFile, FreeSurfaceFile, PairDistributionFile, StructureFactorFile,
     VelocityDistributionFile, ViscosityFile,
 };
+use crate::case::located::Located;
 use crate::case::quantity::Time;
 use crate::experiment::{
     ClustersSettings, DiffusionSettings, Experiment, FieldsSettings, FreeSurfaceSettings, ObserveSettings,

@@ -1,12 +1,12 @@
 //! Reads and checks inlets and outlets.
 
 use super::Resolver;
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{
     BlockRegionFile, CaseFile, CylinderRegionFile, InletFile, MeshFile, ObserveFile, OutletFile, OutletMeshFile,
     OutletSideFile,
 };
+use crate::case::located::Located;
 use crate::case::source::Origin;
 use crate::domain::Domain;
 use crate::experiment::Population;

@@ -2,9 +2,10 @@
 
 use super::settings::SPRINGS;
 use super::{Resolver, short};
-use crate::case::de::{Located, suggestion};
+use crate::case::de::suggestion;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, PairFile};
+use crate::case::located::Located;
 use crate::contact_law::{Bodies, ContactLaw, damping_ratio, reduced_overlap};
 use crate::experiment::SoftSettings;
 use crate::scene::{Kind, Meeting, Pairs, Scene, Surface};

@@ -4,8 +4,9 @@
 use super::Resolver;
 use super::table::TableRow;
 use crate::case::against::AgainstFile;
-use crate::case::de::{Located, suggestion};
+use crate::case::de::suggestion;
 use crate::case::diagnostic::Diagnostic;
+use crate::case::located::Located;
 use crate::experiment::{Reference, ReferencePoint, ReferenceTable};
 use crate::legible::quote;
 use crate::scene::Scene;

@@ -1,9 +1,9 @@
 //! Part of the domain in which particles with random positions start.
 
 use super::{Resolver, vector};
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{BlockRegionFile, CaseFile, CylinderRegionFile, ParticlesFile};
+use crate::case::located::Located;
 use crate::scene::{Scene, StartRegion};
 use crate::walls::{Cavity, Frustum, Hollow, RoundAxis};
 use nalgebra::Vector3;

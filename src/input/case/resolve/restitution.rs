@@ -1,9 +1,9 @@
 //! Restitution of surfaces: a number, or a law by which it depends on the speed of the impact.
 
 use super::Resolver;
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, RestitutionFile, RestitutionLawFile};
+use crate::case::located::Located;
 use crate::case::quantity::Ratio;
 use crate::contact_law::ContactLaw;
 use crate::experiment::SoftSettings;

@@ -1,11 +1,11 @@
 //! Rotation of spheres: initial spins, tangential law, rolling and twisting resistance, and impact rule.
 
 use super::{Resolver, vector};
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{
     CaseFile, HistoryFile, ImpactRuleFile, ParticlesFile, RollingFile, SoftFile, TangentialFile, Three,
 };
+use crate::case::located::Located;
 use crate::case::quantity::{Ratio, Spin};
 use crate::contact_law::ContactLaw;
 use crate::experiment::{Integrator, Model, SoftSettings};

@@ -1,9 +1,9 @@
 //! Reads and checks the domain, the gas, the gravity and the surfaces of a scene.
 
 use super::{Resolver, short, vector};
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, DragFile, FluidFile, ProfileFile, TurbulenceFile};
+use crate::case::located::Located;
 use crate::case::quantity::Ratio;
 use crate::domain::Domain;
 use crate::drag::{Drag, SchillerNaumann, Stokes, SuspensionDrag, SuspensionLaw};

@@ -1,9 +1,9 @@
 //! Reads and checks the settings of the engines, of the run and of the statistics.
 
 use super::{Resolver, VariantChoice};
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, DsmcFile, ElasticityFile, HardFile, HardSteppingFile, SoftFile};
+use crate::case::located::Located;
 use crate::case::time_or_word::{AverageFromFile, WindowFile};
 use crate::contact_law::{ContactLaw, Hertz, KuwabaraKono};
 use crate::experiment::{

@@ -1,9 +1,9 @@
 //! Reads and checks the shear of a box.
 
 use super::Resolver;
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, DomainFile, OrbitFile, ShearFile};
+use crate::case::located::Located;
 use crate::domain::{Domain, Orbit};
 use crate::scene::Scene;
 use nalgebra::Vector3;

@@ -2,9 +2,9 @@
 
 use super::Resolver;
 use super::scene::unit_slip;
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{ByFile, ParticlesFile, PlacedFile, SizesFile};
+use crate::case::located::Located;
 use crate::case::quantity::{Length, Ratio};
 use crate::scene::{Fraction, SizeDistribution, Species};
 

@@ -2,10 +2,10 @@
 
 use super::overlap::Rule;
 use super::{Resolver, short, vector};
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, HardSteppingFile, ParticlesFile};
 use crate::case::fluctuation::FluctuationFile;
+use crate::case::located::Located;
 use crate::case::source::Origin;
 use crate::experiment::{Amount, Population};
 use crate::particles::Particles;

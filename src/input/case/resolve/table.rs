@@ -2,8 +2,9 @@
 //! table.
 
 use super::Resolver;
-use crate::case::de::{Located, suggestion};
+use crate::case::de::suggestion;
 use crate::case::diagnostic::Diagnostic;
+use crate::case::located::Located;
 use crate::case::quantity;
 use crate::case::saved;
 use crate::case::source::Origin;

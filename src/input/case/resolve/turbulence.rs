@@ -1,9 +1,9 @@
 //! Reads and checks the turbulence that particles see.
 
 use super::Resolver;
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{CaseFile, LangevinFile, SeenTurbulenceFile};
+use crate::case::located::Located;
 use crate::experiment::Experiment;
 use crate::fluid::{EddyLaw, Langevin, Profile, Turbulence, TurbulenceStatistics};
 use crate::schedule::longest_for_eddies;

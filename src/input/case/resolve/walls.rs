@@ -1,9 +1,9 @@
 //! Reads the walls of a case: makes the shape of each table, and checks that it fits into the domain.
 
 use super::{Resolver, vector};
-use crate::case::de::Located;
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{Axis, CaseFile, ConeFile, CylinderFile, PlaneFile, Three, WallFile};
+use crate::case::located::Located;
 use crate::case::quantity::Length;
 use crate::domain::Domain;
 use crate::scene::{Species, Surface};
