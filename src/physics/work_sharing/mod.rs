@@ -38,10 +38,6 @@ pub fn for_each_with<T: Send, M>(
     work: impl Fn(&mut M, T) + Sync,
 ) {
     let helpers = rayon::current_num_threads().min(pieces.len()).saturating_sub(1);
-    if helpers == 0 {
-        let mut memory = own();
-        return pieces.for_each(|piece| work(&mut memory, piece));
-    }
     let pieces = Mutex::new(pieces);
     // rayon passes on a panic in a piece; the remaining pieces are then not needed
     let next = |back: bool| {
@@ -60,8 +56,12 @@ pub fn for_each_with<T: Send, M>(
 /// threads, which take pieces from the end of the list. So a thread is likely to get the pieces that it had in the
 /// previous loop, which are in its cache.
 ///
-/// The function takes a trait object, because compiling the calls of rayon anew for each loop would take long.
+/// The function takes a trait object, because compiling the calls of rayon anew for each loop would take long. For the
+/// same reason a loop without helpers goes through here too: its body is then compiled once.
 fn on_threads(helpers: usize, do_pieces: &(dyn Fn(bool) + Sync)) {
+    if helpers == 0 {
+        return do_pieces(false);
+    }
     let busy = AtomicUsize::new(helpers);
     rayon::scope(|scope| {
         for _ in 0..helpers {
