@@ -2,7 +2,7 @@
 
 use super::settings::{JudgeFile, JudgedAs, QuantityFile};
 use super::side::{JudgeSide, MeasuredPoint, SideData};
-use crate::case::de::Located;
+use crate::case::located::Located;
 use crate::case::{Diagnostic, Sources, nearest};
 use crate::legible::quote;
 

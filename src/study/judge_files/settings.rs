@@ -1,7 +1,8 @@
 //! Reads `judge.toml`, the settings of a comparison of files: files, columns, units, times and margins (largest
 //! accepted differences).
 
-use crate::case::de::{Located, read};
+use crate::case::de::read;
+use crate::case::located::Located;
 use crate::case::quantity::{Exponents, Ratio, dimension_name, si_unit, unit};
 use crate::case::{Diagnostic, Sources, read_text, tree};
 use serde::Deserialize;

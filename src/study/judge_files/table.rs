@@ -2,7 +2,7 @@
 //! command `fix ave/time`, and averages over the particles of a trajectory. A variant is one of the experiments of a
 //! case.
 
-use crate::case::de::Located;
+use crate::case::located::Located;
 use crate::case::{Diagnostic, Origin, Sources, nearest, read_text};
 use crate::legible::quote;
 use std::collections::BTreeMap;

@@ -39,7 +39,7 @@ pub struct BoundingSphere {
 impl BoundingSphere {
     /// Ball that contains particle `i` during a straight flight of `part` [s], relative to a frame with the velocity
     /// `frame` [m/s].
-    #[inline]
+    #[inline(always)]
     pub fn of(particles: &Particles, i: usize, domain: &Domain, frame: Vector3<f64>, part: f64) -> Self {
         let (position, radius) = (particles.position[i], particles.radius[i]);
         let half = (particles.velocity[i] - (frame + domain.mean_flow(&position))) * (0.5 * part);
