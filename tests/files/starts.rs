@@ -338,6 +338,8 @@ fn dumps_are_read_however_they_are_written() {
     let shifted =
         scaled.replace("0.0 0.02", "5 5.02").replace(" pp pp pp", " xy xz yz pp pp pp").replace("5.02", "5.02 0");
     assert_eq!(found("bed.dump", &shifted, ONE).unwrap(), (BEADS.to_vec(), vec![]));
+    let also_unwrapped = DUMP.replace("radius", "radius xu yu zu").replace("0.001\n", "0.001 9 9 9\n");
+    assert_eq!(found("bed.dump", &also_unwrapped, ONE).unwrap(), (BEADS.to_vec(), vec![]));
 }
 
 #[test]
@@ -367,6 +369,7 @@ fn dumps_are_right_or_refused() {
             Refused(&["bed.dump:9", "tilted"]),
         ),
         ("one of three places", &[("x y z", "x y fz")], Refused(&["bed.dump:11", "lack z, of the position"])),
+        ("a place twice", &[("x y z", "x x z")], Refused(&["bed.dump:11", "the column `x` says again"])),
         (
             "a share of no box",
             &[("ITEM: BOX BOUNDS pp pp pp\n0.0 0.02\n0.0 0.02\n0.0 0.02\n", ""), ("x y z", "xs ys zs")],

@@ -32,20 +32,33 @@ pub struct Layout {
     pub at: [Option<usize>; COLUMNS.len()],
     /// True if species are given by numbers, counted from 1, instead of names.
     pub counted: bool,
-    /// True, for each axis, if positions are given as fractions of the box size.
-    pub scaled: [bool; 3],
+    /// Form of the positions along each axis; `None` if the file lacks them.
+    positions: [Option<PositionForm>; 3],
     /// Names of the columns that are ignored; a warning lists them.
     left: Vec<String>,
     /// Number of words in the line of each particle.
     pub width: usize,
 }
 
+/// Form in which a particle file gives positions. If a file gives several forms, the last one in this list is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum PositionForm {
+    /// Fraction of the box size, possibly in a periodic image of the box.
+    ScaledUnwrapped,
+    /// Fraction of the box size, in the box.
+    Scaled,
+    /// [m] coordinate, possibly in a periodic image of the box.
+    Unwrapped,
+    /// [m] coordinate in the box.
+    Wrapped,
+}
+
 /// Meaning of a column in a particle file of another program.
 enum Meaning {
     /// Property with this index in [`COLUMNS`]. A column with several words also fills the following indices.
     Known(usize),
-    /// Position along an axis (0: x, 1: y, 2: z) as a fraction of the box size.
-    Scaled(usize),
+    /// Position along an axis (0: x, 1: y, 2: z), or along all axes for a column with three words.
+    Position(usize, PositionForm),
     /// Number of a species, counted from 1.
     Type,
     /// Column that is ignored, such as the number of the periodic image.
@@ -61,7 +74,7 @@ fn meaning(name: &str, width: usize) -> Option<Meaning> {
     }
     if width == 3 {
         return match plain.as_str() {
-            "pos" | "position" | "positions" => Some(Meaning::Known(POSITION)),
+            "pos" | "position" | "positions" => Some(Meaning::Position(0, PositionForm::Wrapped)),
             "v" | "velo" | "vel" | "velocity" | "velocities" => Some(Meaning::Known(VELOCITY)),
             "omega" | "spin" | "angularvelocity" => Some(Meaning::Known(SPIN)),
             "momenta" | "momentum" => Some(Meaning::Known(MOMENTUM)),
@@ -96,11 +109,14 @@ fn meaning(name: &str, width: usize) -> Option<Meaning> {
                     .is_some_and(|rest| last.contains(&rest))
             })
         };
-        if is(&["", "pos", "position"], &["", "u"]) {
-            return Some(Meaning::Known(POSITION + axis));
-        }
-        if is(&[""], &["s", "su"]) {
-            return Some(Meaning::Scaled(axis));
+        let forms = [
+            ("", PositionForm::Wrapped),
+            ("u", PositionForm::Unwrapped),
+            ("s", PositionForm::Scaled),
+            ("su", PositionForm::ScaledUnwrapped),
+        ];
+        if let Some((_, form)) = forms.into_iter().find(|(last, _)| is(&["", "pos", "position"], &[last])) {
+            return Some(Meaning::Position(axis, form));
         }
         if is(&["v", "vel", "velo", "velocity", "vv", "cv", "fv"], &[""]) {
             return Some(Meaning::Known(VELOCITY + axis));
@@ -137,24 +153,31 @@ impl Layout {
                     return twice();
                 }
             }
-            Some(Meaning::Scaled(axis)) if self.at[axis].is_none() => {
-                (self.at[axis], self.scaled[axis]) = (Some(first), true);
-            }
-            // the position along this axis is known already from another column
-            Some(Meaning::Scaled(_)) => {}
-            Some(Meaning::Known(column)) => {
+            Some(Meaning::Position(axis, form)) => {
                 for k in 0..width {
-                    if self.at[column + k].is_some() && column + k >= 3 {
+                    let known = &mut self.positions[axis + k];
+                    if *known == Some(form) {
                         return twice();
                     }
-                    if column + k < 3 {
-                        self.scaled[column + k] = false;
+                    if *known < Some(form) {
+                        (*known, self.at[POSITION + axis + k]) = (Some(form), Some(first + k));
                     }
-                    self.at[column + k] = Some(first + k);
+                }
+            }
+            Some(Meaning::Known(column)) => {
+                for k in 0..width {
+                    if self.at[column + k].replace(first + k).is_some() {
+                        return twice();
+                    }
                 }
             }
         }
         Ok(())
+    }
+
+    /// True if positions along `axis` (0: x, 1: y, 2: z) are fractions of the box size.
+    pub fn is_scaled(&self, axis: usize) -> bool {
+        matches!(self.positions[axis], Some(PositionForm::Scaled | PositionForm::ScaledUnwrapped))
     }
 
     /// Word of a line that belongs to the property with the index `column` in [`COLUMNS`]; empty if the file lacks it.

@@ -63,7 +63,7 @@ impl ForeignReader<'_> {
             layout.push(name, 1).map_err(|why| self.wrong(lines, header, why, "leave one of them out"))?;
         }
         self.check_layout(lines, header, &mut layout)?;
-        if layout.scaled.contains(&true) && instant.bounds.is_none() {
+        if (0..3).any(|axis| layout.is_scaled(axis)) && instant.bounds.is_none() {
             return Err(self.wrong(lines, header, "places are shares of a box that the file does not give", HELP));
         }
         let [low, high] = instant.bounds.unwrap_or_default();
@@ -71,7 +71,7 @@ impl ForeignReader<'_> {
             let words = self.words_of(lines, number, &layout)?;
             let mut row: Cells = std::array::from_fn(|column| layout.text(&words, column).to_owned());
             for axis in 0..3 {
-                row[axis] = if layout.scaled[axis] {
+                row[axis] = if layout.is_scaled(axis) {
                     format!(
                         "{:?}",
                         self.cell::<f64>(lines, number, &row[axis], "a coordinate")? * (high[axis] - low[axis])
