@@ -4,9 +4,10 @@ use super::{Flight, Geometry};
 
 /// [-] ratio of the gap to the radius of the sphere, below which the tangent plane is used in place of the wall.
 ///
-/// The centre of a sphere of radius r cannot be nearer to the wall than r. The excluded points form a union of balls of
-/// radius r. If both ends of a path of length s lie outside this union, no point of the path lies deeper inside it than
-/// s²/(8 r). For a path as long as this gap, the depth is 1e-17 r, which is below rounding.
+/// The centre of a sphere of radius r cannot be nearer to the wall than r. So the centre cannot enter the balls of
+/// radius r about the points of the wall. If both ends of a straight path of length s lie outside these balls, no
+/// point of the path lies deeper inside a ball than s²/(8 r). For a path as long as this gap, the depth is 1e-17 r,
+/// which is below rounding.
 const CLOSE: f64 = 1e-8;
 /// Largest number of steps of a search. A flight at an angle a to the surface needs about ln(1/CLOSE)/(2 sin a) steps,
 /// so this number is enough for angles down to 1e-3 rad. At smaller angles the normal speed is below a thousandth of
@@ -15,8 +16,8 @@ const STEPS: usize = 10_000;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, by conservative advancement (Mirtich 1996, Impulse-based
 /// Dynamic Simulation, section 2.3). `None` without a touch until `until` [s], or if `STEPS` steps do not suffice. In
-/// each step the sphere advances by the shortest time in which it can cover its gap. Below the gap [`CLOSE`] the
-/// tangent plane gives the time of touch.
+/// each step the sphere advances by the shortest time in which it can cover the gap to the wall. If the gap over the
+/// radius is below [`CLOSE`], the tangent plane gives the time of touch.
 pub(super) fn touch_time<G: Geometry + ?Sized>(shape: &G, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
     within(shape, flight, radius, (until, STEPS)).flatten()
 }

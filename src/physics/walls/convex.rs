@@ -3,8 +3,8 @@
 use super::{Flight, Geometry, Nearest};
 use nalgebra::Vector3;
 
-/// Largest number of steps of the search. If the flight grazes the body, each step halves the error. 64 steps
-/// reduce it to rounding.
+/// Largest number of steps of the search. If the flight grazes the body, each step halves the error, so that 64 steps
+/// reduce the error to rounding.
 const STEPS: usize = 64;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, for a convex body. `nearest` returns the point of the body

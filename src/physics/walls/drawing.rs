@@ -10,8 +10,8 @@ const SIDES: u32 = 64;
 /// Surface as triangles: corner points [m], and for each triangle the indices of its three corners.
 pub type Drawing = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
 
-/// Surface of revolution, made by rotating a line about an axis. The points of the line [m] are given by their distance
-/// from the axis and their coordinate along it.
+/// Surface of revolution, made by rotating a line about an axis. The points of the line [m] are given by their
+/// distance from the axis and their coordinate along the axis.
 pub(super) fn turned(axle: &RoundAxis, outline: &[Vector2<f64>]) -> Drawing {
     let (mut corners, mut triangles) = (Vec::new(), Vec::new());
     for point in outline {

@@ -1,6 +1,6 @@
-//! Hollow bodies with particles inside: a box, a sphere, a closed cylinder or cone, a pipe without ends. Each side is a
-//! separate contact, so a sphere in a corner has one contact for each side that it touches. A round side has a second
-//! contact, opposite to the nearest point. Spheres as wide as the body need this contact.
+//! Hollow bodies with particles inside: a box, a sphere, a closed cylinder or cone, a pipe without ends. Each side is
+//! a separate contact, so a sphere in a corner has one contact for each side that it touches. A round side has a
+//! second contact, opposite to the nearest point, for spheres as wide as the body: they touch both sides at once.
 
 use super::drawing::turned;
 use super::round::{Bowl, Frustum, OppositeBowl, OppositeTube, RoundAxis, Tube};

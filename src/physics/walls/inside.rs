@@ -37,9 +37,10 @@ impl Mesh {
         covered.abs() > 2.0 * PI
     }
 
-    /// True if `point` [m] is inside a closed surface and not in a cavity of it; an open surface has no inside. The box
-    /// around the surface is tested first. Then the side of the nearest triangle decides, which takes a number of steps
-    /// that grows like the logarithm of the number of triangles.
+    /// True if `point` [m] is inside a closed surface but not in one of its cavities; an open surface has no inside.
+    /// For a point outside the box around the surface the result is false at once. Otherwise the side of the nearest
+    /// triangle decides. The search for this triangle takes a number of steps that grows like the logarithm of the
+    /// number of triangles.
     pub fn interior_contains(&self, point: &Vector3<f64>) -> bool {
         let [low, high] = self.bounds();
         let is_near = (0..3).all(|axis| (low[axis]..=high[axis]).contains(&point[axis]));

@@ -1,8 +1,9 @@
 //! Walls: all bodies other than spheres. Spheres collide with them.
 //!
-//! For any point, a wall returns its nearest point, as a signed distance and a normal. The gap of a sphere is the
-//! distance of its centre minus its radius. For soft spheres a negative gap is an overlap. For hard spheres the engine
-//! computes the time in a flight at which the gap becomes zero.
+//! For any point in space, a wall finds the nearest point of its surface and describes it by a signed distance and a
+//! normal. The gap between a sphere and a wall is the distance of the sphere's centre minus the radius. For soft
+//! spheres a negative gap is an overlap. For hard spheres the engine computes the time in a flight at which the gap
+//! becomes zero.
 //!
 //! To add a shape, write one file with `impl Geometry`, then add a `mod` line, a variant of [`WallGeometry`] and an arm
 //! of [`WallGeometry::law`].
@@ -54,7 +55,8 @@ pub struct Nearest {
 }
 
 impl Nearest {
-    /// Plane that is tangent to the wall at its nearest point to `point` [m].
+    /// Plane that is tangent to the wall at this nearest point. `point` [m] is the given point, from which the
+    /// distance is measured.
     fn tangent(&self, point: &Vector3<f64>) -> Plane {
         Plane { point: point - self.normal * self.distance, normal: self.normal }
     }
@@ -65,8 +67,8 @@ impl Nearest {
 pub struct Touch {
     /// [s] time of the touch, from the beginning of the flight.
     pub time: f64,
-    /// Number of the surface feature that is touched, such as a triangle. Its meaning depends on the shape. 0 if the
-    /// surface is not divided into features.
+    /// Number of the surface feature that is touched, such as a triangle. Each shape numbers its features in its own
+    /// way. The number is 0 if the surface is not divided into features.
     pub feature: u32,
 }
 
@@ -78,16 +80,17 @@ impl Touch {
 }
 
 /// Shape of a wall. Only [`nearest`](Self::nearest) is required. A shape with a faster method for the time of touch
-/// also implements [`touch_time`](Self::touch_time). A shape for case files also implements its bounds, its inside and
-/// its drawing.
+/// also implements [`touch_time`](Self::touch_time). A shape that case files can contain also implements the methods
+/// for its bounds, its inside and its drawing.
 pub trait Geometry: std::fmt::Debug + Send + Sync {
     /// Point of the surface that is nearest to `point` [m].
     fn nearest(&self, point: &Vector3<f64>) -> Nearest;
 
-    /// [s] first time in `(0, until]` at which the gap of a sphere of `radius` [m] becomes zero. The flight of the
-    /// centre is x(t) = position + velocity t + gravity t²/2 (SI units). The time is 0 if the sphere already overlaps
-    /// the wall and still approaches it. `None` if the sphere does not touch. The default method is conservative
-    /// advancement (steps in which the sphere certainly touches nothing), which needs only nearest points.
+    /// [s] first time in `(0, until]` at which the gap between the wall and a sphere of `radius` [m] becomes zero. The
+    /// flight of the centre is x(t) = position + velocity t + gravity t²/2 (SI units). The time is 0 if the sphere
+    /// already overlaps the wall and still approaches it. `None` if the sphere does not touch. The default method is
+    /// conservative advancement (steps in which the sphere certainly touches nothing), which needs only nearest
+    /// points.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         advancement::touch_time(self, flight, radius, until)
     }
@@ -105,7 +108,7 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         self.nearest(point)
     }
 
-    /// True if the normal of contact number `which` is constant: it does not depend on the position of the sphere.
+    /// True if the normal of contact number `which` (from 0) does not depend on the position of the sphere.
     fn is_flat_at(&self, which: u32) -> bool {
         let _ = which;
         false
@@ -117,22 +120,23 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         0.0
     }
 
-    /// First touch for contact number `which`, with the surface feature that is touched. Its time is defined as in
-    /// [`touch_time`](Self::touch_time); `None` without a touch.
+    /// First touch of a sphere with the wall in contact number `which`, with the surface feature that is touched. The
+    /// time and the arguments are defined as in [`touch_time`](Self::touch_time); `None` without a touch.
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let _ = which;
         self.touch_time(flight, radius, until).map(Touch::at)
     }
 
-    /// Nearest point to the centre `point` [m] of a sphere of `radius` [m], at the instant of a touch of contact number
-    /// `which`. `feature` is the number of the touched surface feature, from [`first_touch`](Self::first_touch).
+    /// Nearest point of the wall to the centre `point` [m] of a sphere of `radius` [m], at the instant at which the
+    /// sphere touches the wall in contact number `which`. `feature` is the number of the touched surface feature (such
+    /// as a triangle), from [`first_touch`](Self::first_touch).
     fn struck(&self, which: u32, feature: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let _ = feature;
         self.contact(which, point, radius)
     }
 
-    /// True if contact number `which` of a sphere of `radius` [m] may begin while its centre moves less than half of
-    /// `skin` [m] from `point` [m].
+    /// True if contact number `which` of a sphere of `radius` [m] may begin while the centre of the sphere moves by
+    /// less than half of `skin` [m] from `point` [m].
     fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.contact(which, point, radius).distance - radius < skin
     }
@@ -143,14 +147,14 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// True if the surface may be within `distance` [m] of `point` [m], or if the point is behind the surface. The test
-    /// should be fast, because it is done for all particles.
+    /// True if the surface may be within `distance` [m] of `point` [m]. Also true for a point behind the surface,
+    /// unless the surface is [thin](Self::is_thin). The test should be fast, because it is done for all particles.
     fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.nearest(point).distance <= distance
     }
 
     /// True if `point` [m] is certainly on the particles' side and farther than `distance` [m] from the surface. The
-    /// result may also be false for some of these points, because the test is made without computing the nearest point.
+    /// result is false for some such points too, because the test does not compute the nearest point.
     fn is_clear(&self, point: &Vector3<f64>, distance: f64) -> bool {
         let _ = (point, distance);
         false
@@ -169,8 +173,8 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// True if the surface can turn while the shape stays in position: the shape is a body of revolution about the axis
-    /// of turning.
+    /// True if the surface can turn while the shape stays in position. This requires a body of revolution about the
+    /// axis of `turning`.
     fn turns(&self, turning: &Turning) -> bool {
         let _ = turning;
         false
@@ -214,7 +218,8 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// True if `point` [m] is inside the wall. The inside of a surface with open ends reaches to its rims.
+    /// True if `point` [m] is inside the wall. If the surface has open ends, its inside is the space between the rims
+    /// of these ends.
     fn encloses(&self, point: &Vector3<f64>) -> bool {
         let _ = point;
         false
@@ -286,7 +291,8 @@ pub enum WallGeometry {
     Mesh(Arc<Mesh>),
     /// A body with its images across periodic sides. In a periodic domain, a simulation uses this form for every body.
     Repeated(Arc<Repeated>),
-    /// A moving shape, at its place at one instant. A plane in translation is a [`Plane`](Self::Plane) at each instant.
+    /// A moving shape, at its place at one instant. A plane that moves without rotation is a [`Plane`](Self::Plane)
+    /// instead, at its place at this instant.
     Moving(Arc<MovingShape>),
     /// A shape that the calling program defines; a case cannot contain it.
     #[serde(skip)]
@@ -294,8 +300,8 @@ pub enum WallGeometry {
 }
 
 impl WallGeometry {
-    /// Nearest point of the surface to `point` [m]. For planes, the most frequent walls, the call is faster, because it
-    /// is not a virtual one.
+    /// Nearest point of the surface to `point` [m]. For planes, the most frequent walls, no virtual function is
+    /// called, which is faster.
     #[inline]
     pub fn nearest(&self, point: &Vector3<f64>) -> Nearest {
         self.plane().map_or_else(|| self.law().nearest(point), |plane| plane.nearest(point))
@@ -326,7 +332,7 @@ impl WallGeometry {
         self.plane().map_or_else(|| self.law().contact(which, point, radius), |plane| plane.nearest(point))
     }
 
-    /// True if contact number `which` has a constant normal.
+    /// True if the normal of contact number `which` does not depend on the position of the sphere.
     #[inline]
     pub fn is_flat_at(&self, which: u32) -> bool {
         self.is_flat() || self.law().is_flat_at(which)
@@ -380,8 +386,8 @@ impl WallGeometry {
 }
 
 impl WallGeometry {
-    /// [m] lowest and highest corner of the box around the body. For a body with periodic images, the list also has the
-    /// boxes around its nearest images. Empty if the shape has no bounds.
+    /// [m] lowest and highest corner of the box around the body. For a body with periodic images, the list also has
+    /// the boxes around its nearest images. The list is empty if the shape has no bounds.
     pub fn boxes(&self) -> Vec<[Vector3<f64>; 2]> {
         match self {
             Self::Repeated(body) => body.boxes(),
@@ -407,7 +413,7 @@ pub struct Wall {
     pub geometry: WallGeometry,
     /// Restitution and friction between the wall and every particle.
     pub surface: Surface,
-    /// Elasticity of the wall; `None`: the elasticity of the contact law.
+    /// Elasticity of the wall; `None` if the elasticity of the contact law applies.
     pub elasticity: Option<Elasticity>,
     /// [m/s] velocity of the surface along itself, as of a conveyor belt. The shape does not move.
     #[serde(skip_serializing_if = "is_still")]
@@ -446,8 +452,9 @@ fn is_still(velocity: &Vector3<f64>) -> bool {
 }
 
 /// True if two spheres in straight flight approach each other, and the smallest distance of their centres is at most
-/// `reach` [m]. Otherwise [`first_touch`] finds no time. `apart` [m] and `velocity` [m/s] are relative position and
-/// velocity. The test has no branches, so that a processor can test several pairs at once.
+/// `reach` [m], the sum of their radii. If the result is false, [`first_touch`] finds no time. `apart` [m] and
+/// `velocity` [m/s] are the relative position and the relative velocity. The test has no branches, so that a processor
+/// can test several pairs at once.
 #[inline(always)]
 pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> bool {
     let closing = -apart.dot(velocity);
@@ -455,10 +462,10 @@ pub fn may_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64) -> b
     (closing > 0.0) & (closing * closing - velocity.norm_squared() * gap_square >= 0.0)
 }
 
-/// [s] first time at which two spheres in straight flight touch: the smaller root of |r + u t| = `reach` [m]. The
-/// relative position r [m] is `apart`, the relative velocity u [m/s] is `velocity`. The time is 0 for spheres that
-/// overlap (by rounding) and approach. `None` for spheres that separate or miss each other. `speeds` [m/s] is the sum
-/// of both speeds; an approach slower than the rounding of this sum is ignored.
+/// [s] first time at which two spheres in straight flight touch: the smaller root t of |r + u t| = `reach`. The
+/// relative position r [m] is `apart`, the relative velocity u [m/s] is `velocity`, and `reach` [m] is the sum of the
+/// radii. The time is 0 for spheres that overlap (by rounding) and approach. `None` for spheres that separate or miss
+/// each other. `speeds` [m/s] is the sum of both speeds; an approach slower than the rounding of this sum is ignored.
 #[inline]
 pub fn first_touch(apart: &Vector3<f64>, velocity: &Vector3<f64>, reach: f64, speeds: f64) -> Option<f64> {
     let closing = -apart.dot(velocity);

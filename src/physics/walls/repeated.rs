@@ -5,8 +5,9 @@ use crate::domain::Domain;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Largest number of images, counted from the nearest one, that are tested on each side along an axis. A longer flight
-/// meets farther images in the next window (the time between two exchanges of momentum with the gas).
+/// Largest number of images, counted from the nearest one, that are tested on each side along an axis. A particle can
+/// meet farther images only in a later window (time between two exchanges of momentum with the gas), and after each
+/// window it is moved back into the domain.
 const FARTHEST: f64 = 2.0;
 
 /// A body in a periodic domain together with its images. Particles may leave the domain during a window (the time
@@ -47,7 +48,8 @@ impl Repeated {
         self.periods[axis].map_or(0.0, |period| ((coordinate - center) / period).round())
     }
 
-    /// [m] `point` shifted by whole periods, so that the body itself, and none of its images, is nearest to it.
+    /// [m] `point` shifted by whole periods, so that the body itself is nearer to the shifted point than the images of
+    /// the body.
     pub(super) fn near(&self, point: &Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|axis, _| {
             point[axis] - self.periods[axis].map_or(0.0, |period| period * self.image(axis, point[axis]))

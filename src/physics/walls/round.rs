@@ -284,8 +284,8 @@ impl Geometry for Frustum {
     }
 
     /// Returns the nearest point of the near side (`which` = 0) or of the opposite side of a shell. The opposite side
-    /// counts for a sphere inside the shell or above its rim. For a sphere outside, the near side is in front of it:
-    /// the distance is then at least `OUT_OF_SIGHT` radii, and the normal zero.
+    /// counts for a sphere inside the shell or above its rim. A sphere outside the shell cannot touch the opposite
+    /// side: the distance is then at least `OUT_OF_SIGHT` radii, and the normal zero.
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let near = self.nearest(point);
         if which == 0 {

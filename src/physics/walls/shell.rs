@@ -106,9 +106,9 @@ impl FlightAcrossShell {
         self.rises(&way, rim + self.out[0].sqrt() + along[0].abs(), until)
     }
 
-    /// [s] all times up to `until` [s] at which a polynomial rises to zero. Its values are squared lengths of the order
-    /// of `size`² [m²]. If a polynomial is zero at time 0, up to positive rounding errors, time 0 is a result if the
-    /// polynomial rises there. For later times the polynomial is treated as if it fell from zero at time 0.
+    /// [s] all times up to `until` [s] at which a polynomial rises to zero. Its values are squared lengths of the
+    /// order of `size`² [m²]. The polynomial may be zero at time 0, up to positive rounding errors. Time 0 is then a
+    /// result if the polynomial rises there, and later times are found as if the polynomial fell from zero at time 0.
     fn rises(&self, way: &[f64], size: f64, until: f64) -> Vec<f64> {
         let mut way = way.to_vec();
         let resolution = 16.0 * f64::EPSILON * size * self.speed;

@@ -67,9 +67,9 @@ impl Clearance {
         }
     }
 
-    /// Finds the cells in which particles may be. `is_free` must return true for a point [m] where particles may be. It
-    /// is called with one point for each connected group of cells without triangles, so never with a point on the
-    /// surface. `beyond` is true if particles may be outside the box around the mesh.
+    /// Finds the cells in which particles may be. `is_free` must return true for a point [m] where particles may be.
+    /// The function is called with one point for each connected group of cells without triangles, so never with a
+    /// point on the surface. `beyond` is true if particles may be outside the box around the mesh.
     pub fn find_free(&mut self, beyond: bool, is_free: impl Fn(&Vector3<f64>) -> bool) {
         self.is_free_beyond = beyond;
         let mut seen: Vec<bool> = self.away.iter().map(|away| *away == 0).collect();
@@ -139,7 +139,7 @@ impl Clearance {
         if outside > 0.0 {
             return outside;
         }
-        // in the worst case, point and surface lie on the facing sides of their cells
+        // in the worst case, the point and the surface lie on those sides of their cells that face each other
         let away = f64::from(self.away[self.index(self.cell_of(point))]);
         (away - 1.0 - 1e-9).max(0.0) * self.cell
     }

@@ -111,9 +111,9 @@ impl Mesh {
         Ok((mesh, findings))
     }
 
-    /// Makes a sheet that continues through periodic sides, together with the copies of triangles beyond them. For a
-    /// surface that does not continue, the result is that of [`new`](Self::new). The findings are those of the surface
-    /// itself.
+    /// Makes a sheet that continues through periodic sides, together with the copies of its triangles beyond these
+    /// sides. For a surface that does not continue, the result is that of [`new`](Self::new). The findings are those
+    /// of the surface itself.
     ///
     /// # Errors
     /// If the triangles do not form a wall of this type.
@@ -179,7 +179,7 @@ impl Mesh {
         let (away, out) = match feature {
             TriangleFeature::Face => {
                 // the height is computed from the plane of the triangle, so that all triangles of a flat floor give
-                // identical bits
+                // exactly the same height
                 let height = face.normal.dot(&(point - corners[0]));
                 (height.abs(), if height < 0.0 { -face.normal } else { face.normal })
             }
@@ -243,8 +243,8 @@ impl Mesh {
 
     /// True if all triangles within `reach` [m] of `point` [m] have nearly equal normals, so that a sphere has at most
     /// one contact there. For a sheet with particles on both sides the result is always false. The nearest point may
-    /// lie on an edge or corner of a closed surface. The direction from there to `point` lies between the normals of
-    /// the adjacent triangles, all of which are within `reach`.
+    /// also lie on an edge or corner of a closed surface. The direction from there to `point` is then between the
+    /// normals of the adjacent triangles, and the test includes these triangles.
     fn is_smooth(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let mut normals = self.tree.within(point, reach).map(|face| &self.surface.faces[face as usize].normal);
         let first = normals.next();
@@ -398,7 +398,8 @@ impl fmt::Debug for Mesh {
     }
 }
 
-/// Writes data that identify the mesh, for comparisons of scenes. A mesh cannot be restored from these data.
+/// Writes data that identify the mesh (name, sides, number of triangles, checksum), for comparisons of scenes. A mesh
+/// cannot be restored from these data.
 impl Serialize for Mesh {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut hasher = FxHasher::default();

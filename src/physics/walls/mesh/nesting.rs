@@ -7,38 +7,40 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use serde::Serialize;
 
-/// Largest number of triangles of a closed part that are tested for being inside other parts. If only some of them are
-/// inside another part, the two parts cross.
+/// Largest number of triangles of a closed part (connected group of triangles) for which the program tests whether
+/// they are inside other parts. If only some of the tested triangles are inside another part, the two parts cross.
 const SAMPLES: usize = 8;
-/// [-] directions of rays. A point is inside a part if a ray from the point crosses an odd number of triangles of the
-/// part. No direction is along an axis or a diagonal of typical drawings. If a ray passes through an edge, the next
-/// direction is used.
+/// [-] directions of rays. A point is inside a closed part (connected group of triangles) if a ray from the point
+/// crosses an odd number of triangles of the part. No direction is along an axis or a diagonal of typical drawings. If
+/// a ray passes through an edge, the next direction is used.
 const WAYS: [[f64; 3]; 4] =
     [[0.731, 0.419, 0.538], [-0.283, 0.874, 0.395], [0.467, -0.612, 0.638], [-0.571, -0.327, 0.753]];
 /// [-] distance over the size of the surface. A point that is nearer to an edge or a triangle counts as lying on it.
 const ON: f64 = 1e-9;
 
-/// Numbers of closed parts of a surface that lie inside other parts, by type.
+/// Numbers of the closed parts (connected groups of triangles) of a surface that lie inside other parts, by type.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Nested {
-    /// Number of cavities. A part inside an odd number of other parts is the boundary of a cavity.
+    /// Number of cavities. A closed part (connected group of triangles) inside an odd number of other parts is the
+    /// boundary of a cavity.
     pub cavities: usize,
     /// Number of cavities whose triangles faced away from the cavity and were flipped.
     pub turned: usize,
-    /// Number of outermost parts that were removed. These parts are the outer surfaces of the thick walls of vessels
-    /// that contain the particles.
+    /// Number of outermost parts (connected groups of triangles) that were removed. They are the outer surfaces of
+    /// vessels with thick walls that contain the particles.
     pub skins: usize,
-    /// Number of solid bodies inside a vessel: parts whose triangles face, as given, the same way as those of the
-    /// vessel.
+    /// Number of solid bodies inside a vessel. The triangles of these bodies, as given, face the same way as those of
+    /// the vessel: both outwards or both inwards.
     pub bodies: usize,
-    /// Number of parts that lie only partly inside another part, which is a defect of the drawing.
+    /// Number of closed parts (connected groups of triangles) that lie only partly inside another part, which is a
+    /// defect of the drawing.
     pub crossing: usize,
 }
 
 /// Flips the triangles of a closed surface so that they face the particles: outwards, and into cavities. If particles
 /// are inside a vessel with a thick wall, the outer surface of the wall is removed. Without a thick wall the outermost
-/// part is the vessel, and the parts inside it are bodies. The numbers of these parts and changes are added to
-/// `findings`.
+/// part (connected group of triangles) is the vessel, and the parts inside the vessel are solid bodies. The numbers of
+/// these parts and changes are added to `findings`.
 pub fn face_particles(
     points: &[Vector3<f64>],
     triangles: &mut Numbered,
@@ -120,8 +122,8 @@ fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 
     each.sum()
 }
 
-/// For each part, the indices of the other parts that contain it, in ascending order. The number of parts that cross
-/// others is added to `nested`.
+/// For each closed part, the indices of the other parts that contain this part, in ascending order. The number of
+/// parts that cross others is added to `nested`.
 fn parts_around(
     points: &[Vector3<f64>],
     triangles: &Numbered,
@@ -167,8 +169,8 @@ struct Crossings {
 }
 
 impl Crossings {
-    /// Indices of the parts other than `own` that contain a point [m]. `None` if the rays in all directions of [`WAYS`]
-    /// pass through edges.
+    /// Indices of the parts that contain a point [m], without the part with the index `own`. `None` if the rays in all
+    /// directions of [`WAYS`] pass through edges.
     fn around(
         &self,
         point: &Vector3<f64>,

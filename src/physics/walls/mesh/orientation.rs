@@ -5,8 +5,8 @@ use super::surface::{Edges, Findings, count};
 /// Flips triangles until all neighbours face the same way. Stores in `findings` the number of flipped triangles with
 /// the number of the first, and the number of edges whose triangles cannot face the same way.
 pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, findings: &mut Findings) {
-    // neighbours of each triangle, each with a flag that is true if one of the two triangles must be flipped; it must
-    // if both list the corners of their common edge in the same order
+    // neighbours of each triangle, each with a flag that is true if one of the two triangles must be flipped: both
+    // list the two corners of their common edge in the same order
     let mut beside: Vec<Vec<(u32, bool)>> = vec![Vec::new(); triangles.len()];
     for there in edges.values() {
         if let [(a, of_a), (b, of_b)] = there[..] {

@@ -9,12 +9,13 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// [-] height of a triangle divided by its longest edge. A triangle with a smaller ratio counts as degenerate, because
-/// the rounding of its corners would determine its normal. In a file in single precision this rounding is 6e-8.
+/// rounding in the computation would determine its normal. Corners from a file in single precision have a larger
+/// relative rounding of 6e-8, which this limit does not cover.
 const THINNEST: f64 = 1e-9;
-/// [-] depth of a neighbour's corner below the plane of a triangle, over the longest edge of the two triangles. The
-/// corner is the one that is not on their common edge. At larger depths a sphere can touch the common edge without
-/// touching a face, so the edge is tested for touch. Flatter edges need no test, because triangles are enlarged by
-/// [`COVER`](super::sweep::COVER).
+/// [-] largest depth at which the common edge of two triangles counts as flat: depth of the corner that only the
+/// second triangle has below the plane of the first, over the longest edge of both. At larger depths a sphere can
+/// touch the common edge without touching a face, so the edge is tested for touch. Flatter edges need no test, because
+/// triangles are enlarged by [`COVER`](super::sweep::COVER).
 const SHARP: f64 = 1e-12;
 
 /// Side of the surface on which the particles are.
@@ -42,8 +43,8 @@ pub struct Findings {
     /// Triangles that faced the opposite way to their neighbours, and are flipped: how many they are, and the number of
     /// the first.
     pub turned: (usize, usize),
-    /// True if a closed part (connected group of triangles) that should face outwards faced inwards, and was flipped. A
-    /// part should face outwards if the number of parts around it is even or zero.
+    /// True if a closed part (connected group of triangles) that should face outwards faced inwards, and was flipped.
+    /// A part should face outwards if it lies inside an even number of other parts, or inside none.
     pub inside_out: bool,
     /// Closed parts of the surface that lie inside other parts.
     pub nested: Nested,
@@ -81,7 +82,7 @@ pub enum Fault {
         /// Number of triangles in the list.
         given: usize,
     },
-    /// The surface is not closed, so it has no inside, but the case requires one.
+    /// The surface is not closed, so it has no inside, but the case (input file) requires an inside.
     #[error(
         "it is not watertight, so it has no inside and no outside: {} of its edges belong to one triangle only, {} to more than two, and \
          at {} the triangles cannot face the same way", .0.open_edges, .0.crowded_edges, .0.twisted_edges

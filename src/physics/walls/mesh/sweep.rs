@@ -1,8 +1,9 @@
 //! Time at which a flying sphere touches a surface of triangles. At a touch, the centre of the sphere reaches a plane
 //! above a face, a cylinder about an edge, or a sphere about a corner.
 //!
-//! For each triangle, its face is tested with the edges and corners in the bit mask [`Face::own`]. Edges at which the
-//! surface is flat or concave need no test: faces are slightly enlarged there, so that no gap is left between them.
+//! For each triangle, its face is tested together with the edges and corners in the bit mask [`Face::own`]. Edges at
+//! which the surface is flat or concave need no test: faces are slightly enlarged there, so that no gap is left
+//! between them.
 
 use super::surface::{Face, Sides};
 use super::tree::TriangleFeature;
@@ -31,7 +32,7 @@ impl Mesh {
     /// or corner; `None` without a touch.
     pub(super) fn sweep(&self, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         let end = flight.position_at(until);
-        // largest distance between the path of a falling sphere and the straight line between its ends
+        // largest distance between the path of a falling sphere and the straight line between the ends of the path
         let sag = 0.125 * flight.gravity.norm() * until * until;
         let reach = (radius + sag) * (1.0 + TOUCHING);
         let way = (end - flight.position).norm();
@@ -143,8 +144,8 @@ fn on_face(
     covers(way_down(gap, speed, fall)?)
 }
 
-/// [s] first time t > 0 at which gap + speed t + fall t²/2 falls from positive to negative values; `None` if it never
-/// does.
+/// [s] first time t > 0 at which the distance `gap` + `speed` t + `fall` t²/2 falls from positive to negative values;
+/// `None` if it never does. The arguments are in m, m/s and m/s².
 fn way_down(gap: f64, speed: f64, fall: f64) -> Option<f64> {
     let discriminant = speed * speed - 2.0 * fall * gap;
     if discriminant < 0.0 {

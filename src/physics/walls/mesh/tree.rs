@@ -83,8 +83,9 @@ impl Tree {
     }
 
     /// Finds the triangle nearest to a point [m], and its distance [m]; `None` if no distance is below `reach` [m].
-    /// `distance` must return the distance [m] of a triangle from the point. It is not called for triangles whose box
-    /// is farther away than the smallest distance so far.
+    /// `distance` returns the distance [m] of a triangle from the point; it may return the distance that limits the
+    /// search instead, if the triangle is not nearer. `distance` is not called for triangles whose box is farther away
+    /// than the smallest value so far.
     pub fn closest(&self, point: &Vector3<f64>, reach: f64, distance: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
         let point = to_parry(point);
         self.0.find_best(

@@ -1,10 +1,10 @@
 //! First touch of a sphere and a moving shape, by arcs of parabolas.
 //!
-//! In the frame of the shape the flight is no parabola. On an arc (a short piece of the flight) of the duration τ, it
-//! differs by at most J τ³/6 from the parabola with the same position, velocity and acceleration at the beginning. Here
-//! J bounds the third derivative of the position. An enlarged sphere, with a radius greater by this distance, that
-//! moves on the parabola touches no later than the sphere itself. Before that touch there is certainly no contact, and
-//! the next arc begins at the instant of that touch.
+//! In the frame of the shape the flight is no parabola. On an arc (a short piece of the flight) of the duration τ, the
+//! flight differs by at most J τ³/6 from the parabola with the same position, velocity and acceleration at the
+//! beginning. Here J bounds the third derivative of the position. The method moves an enlarged sphere, whose radius is
+//! greater by this distance, along the parabola. The enlarged sphere touches no later than the sphere itself, so there
+//! is no contact before this touch. The next arc begins at the instant of this touch.
 
 use super::MovingShape;
 use crate::walls::{Flight, Touch};
@@ -20,16 +20,16 @@ const ROUNDINGS: f64 = 16.0;
 /// [-] largest length by which a sphere is enlarged on an arc (short piece of its flight), over its gap to the shape.
 const SHARE: f64 = 0.125;
 
-/// [-] largest enlargement of a sphere, over its gap to the shape, with which one arc covers all the time that remains.
-/// It must be below 1.
+/// [-] largest enlargement of a sphere, over its gap to the shape, with which one arc (piece of the flight) covers all
+/// the time that remains. The number must be below 1.
 const WHOLE: f64 = 0.5;
 
 /// [-] largest duration of an arc (short piece of a flight), over the time in which the gap would close at the present
 /// speed.
 const AHEAD: f64 = 1.5;
 
-/// [rad] largest rotation of a shape during one arc (short piece of a flight). It keeps the bound of the third
-/// derivative of the position from being far too large.
+/// [rad] largest rotation of a shape during one arc (short piece of a flight). For larger rotations the bound of the
+/// third derivative of the position would be far too large.
 const TURN: f64 = 0.5;
 
 /// First touch for contact number `which` of a moving shape, as
@@ -95,7 +95,7 @@ pub(super) fn first_touch(
     None
 }
 
-/// First touch of a sphere that is enlarged by the largest deviation from its parabola.
+/// First touch of an enlarged sphere. The enlargement is the largest deviation of the flight from its parabola.
 struct EnlargedTouch {
     /// Number of the piece of the surface that is touched, such as a triangle; 0 if the surface has no pieces.
     feature: u32,

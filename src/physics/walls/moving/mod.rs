@@ -33,13 +33,14 @@ pub struct MovingShape {
     /// [s] simulated time for which the geometry of the wall is valid.
     #[serde(skip)]
     time: f64,
-    /// [m] largest distance of a point of the shape from the axis of a rotation; 0 for other motions.
+    /// [m] upper limit of the distance of a point of the shape from the axis of a rotation; 0 for other motions.
     arm: f64,
 }
 
 impl MovingShape {
-    /// Makes a moving shape at its place of time 0. `shape` is the shape at the place where the case puts it. `None`
-    /// for the rotation of an endless shape, whose points would have no largest speed.
+    /// Makes a moving shape at its place at time 0. `shape` is the shape at the place where the case (input file) puts
+    /// it. `None` for the rotation of a shape without an [`extent`](Geometry::extent), such as a plane, whose points
+    /// would have no largest speed.
     pub fn new(shape: WallGeometry, motion: PrescribedMotion) -> Option<Self> {
         let arm = match &motion {
             PrescribedMotion::Turning(turning) => {
@@ -62,7 +63,7 @@ impl MovingShape {
         self.time
     }
 
-    /// Shape where the case puts it, without displacement.
+    /// Shape where the case (input file) puts it, without displacement.
     pub fn shape(&self) -> &WallGeometry {
         &self.shape
     }
@@ -72,7 +73,7 @@ impl MovingShape {
         self.motion.to_shape(point, time)
     }
 
-    /// [m/s] largest speed of any point of the shape at any time.
+    /// [m/s] upper limit of the speed of any point of the shape at any time.
     pub fn largest_speed(&self) -> f64 {
         self.motion.largest_speed(self.arm)
     }
@@ -169,7 +170,8 @@ impl MovingShape {
         radius: f64,
         until: f64,
     ) -> Option<Touch> {
-        // `time` is exactly that of a knot, which the sum of `start` and `t` may miss by rounding
+        // after the first turn of the loop, `time` is exactly the time of a knot, which `start + t` may miss by
+        // rounding
         let (mut t, mut time) = (0.0, start);
         loop {
             let knot = path.next_knot(time);
@@ -302,8 +304,8 @@ impl Geometry for MovingShape {
 }
 
 impl Wall {
-    /// Returns the wall with a shape that moves by the law `motion`, at time 0. `None` if an endless shape would
-    /// rotate.
+    /// Returns the wall with a shape that moves by the law `motion`, at time 0. `None` if a shape without an
+    /// [`extent`](Geometry::extent), such as a plane, would rotate.
     pub fn moving(self, motion: PrescribedMotion) -> Option<Self> {
         let moving = MovingShape::new(self.geometry.clone(), motion)?;
         Some(Self { geometry: moving.geometry(), moving: Some(moving), ..self })
@@ -343,7 +345,7 @@ impl Wall {
         }
     }
 
-    /// [m/s] largest speed of any point of the wall's shape; 0 if the shape does not move.
+    /// [m/s] upper limit of the speed of any point of the wall's shape; 0 if the shape does not move.
     pub fn largest_speed(&self) -> f64 {
         self.moving.as_ref().map_or(0.0, MovingShape::largest_speed)
     }

@@ -106,9 +106,10 @@ impl PrescribedMotion {
         }
     }
 
-    /// Flight in the frame of the shape: the parabola with the position, velocity and acceleration at `time` [s]. In a
-    /// frame that rotates at the angular velocity ω, the acceleration is g - 2 ω × v + ω × (ω × r). Here g is gravity,
-    /// v the velocity in the frame at rest, and r the position relative to the centre of rotation.
+    /// Flight of a sphere's centre seen from the moving shape: the parabola with the position, velocity and
+    /// acceleration at `time` [s]. In a frame that rotates at the angular velocity ω, the acceleration is g - 2 ω ×
+    /// v + ω × (ω × r). Here g is gravity, v the velocity in the frame at rest, and r the position relative to the
+    /// centre of rotation.
     pub(super) fn seen(&self, flight: &Flight, time: f64) -> Flight {
         let velocity = flight.velocity - self.velocity(&flight.position, time);
         let Self::Turning(turning @ Turning { center, spin }) = self else {
@@ -160,9 +161,9 @@ impl PrescribedMotion {
         }
     }
 
-    /// [m] least and largest component of the displacement along a unit vector, from time 0 to `duration` [s]; those of
-    /// all times for a vibration and a path. `None` for a rotation and for a servo wall, whose displacement is not
-    /// known in advance.
+    /// [m] least and largest component of the displacement along a unit vector, from time 0 to `duration` [s]. For a
+    /// vibration and a path, these are the values over all times. `None` for a rotation and for a servo wall, whose
+    /// displacement is not known in advance.
     pub fn range_along(&self, direction: &Vector3<f64>, duration: f64) -> Option<[f64; 2]> {
         let two = |one: f64, other: f64| Some([one.min(other), one.max(other)]);
         match self {

@@ -1,4 +1,4 @@
-//! Displacement that is linear between given instants.
+//! Displacement of a wall that is linear in time between given instants.
 
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -20,7 +20,7 @@ impl PiecewisePath {
         (!knots.is_empty() && finite && ascends).then_some(Self { knots })
     }
 
-    /// Number of given instants of the path up to and including `time` [s].
+    /// Number of knots (given instants of the path) up to and including `time` [s].
     fn passed(&self, time: f64) -> usize {
         self.knots.partition_point(|(knot, _)| *knot <= time)
     }
@@ -41,7 +41,7 @@ impl PiecewisePath {
         }
     }
 
-    /// [s] first given instant of the path (knot) after `time` [s]; infinite after the final one.
+    /// [s] first knot (given instant of the path) after `time` [s]; infinite after the last knot.
     pub fn next_knot(&self, time: f64) -> f64 {
         self.knots.get(self.passed(time)).map_or(f64::INFINITY, |(knot, _)| *knot)
     }

@@ -45,8 +45,9 @@ impl ServoMotion {
         self.state.displacement + self.state.speed * (time - self.state.time)
     }
 
-    /// Sets the speed of the plane, at most `largest_speed`, from the force [N] with which the particles press on it at
-    /// `time` [s]. Stores this measurement in `state`. `damping` [Pa s/m] is used if the motion has none.
+    /// Sets the speed of the plane, at most `largest_speed`, from the force [N] with which the particles press on it
+    /// at `time` [s]. Stores this measurement in `state`. `damping` [Pa s/m] is used if the motion has no damping of
+    /// its own.
     pub fn steer(&mut self, force: f64, time: f64, damping: f64) {
         let pressure = force / self.area;
         let speed = (self.pressure - pressure) / self.damping.unwrap_or(damping);

@@ -2,7 +2,7 @@
 //!
 //! The gap is g(t) = g0 + v t + a t²/2 - A (sin(ωt + ψ) - sin ψ), with the symbols of [`VibratingGap`]. The zeros of
 //! g'' are known in closed form. Between two successive zeros of g'', g' is monotone and has at most one zero. Between
-//! successive zeros of g', g is monotone. So every root of g is bracketed, and none is missed.
+//! successive zeros of g', g is monotone. So every root of g lies in a known interval, and no root is missed.
 
 use crate::walls::plane::first_closing;
 use std::f64::consts::{PI, TAU};
@@ -80,8 +80,8 @@ impl VibratingGap {
         self.gap + self.amplitude * self.phase.sin() + (self.speed + 0.5 * self.acceleration * t) * t
     }
 
-    /// [s] time before which the sphere stays above the highest position of the plane; `None` if it never comes within
-    /// reach.
+    /// [s] time before which the sphere stays above the highest position of the plane; `None` if the sphere always
+    /// stays there.
     fn out_of_reach_until(&self) -> Option<f64> {
         let beyond = self.height(0.0) - self.amplitude.abs();
         if beyond <= 0.0 {
@@ -98,7 +98,7 @@ impl VibratingGap {
         (gone && self.acceleration >= 0.0) || repeats
     }
 
-    /// [s] first zero of the second derivative after `t` [s]; infinite if there is none.
+    /// [s] first zero of the second derivative of the gap after `t` [s]; infinite if there is none.
     fn next_inflection(&self, t: f64) -> f64 {
         let sine = -self.acceleration / (self.amplitude * self.frequency.powi(2));
         if sine.is_nan() || sine.abs() >= 1.0 {
@@ -151,7 +151,8 @@ fn bracketed_root(function: impl Fn(f64) -> (f64, f64), low: f64, high: f64) -> 
         if (newton - t).abs() <= f64::EPSILON * t.abs() {
             return t;
         }
-        // Newton's step must stay in the bracket and halve its length at least every second time
+        // Newton's step must stay in the bracket and be shorter than half the previous step; otherwise the bracket is
+        // halved
         let next = if newton > low && newton < high && 2.0 * (newton - t).abs() < length {
             newton
         } else {
@@ -194,7 +195,7 @@ mod tests {
             let (gap, speed) = (0.02 + 3.0 * part(0.618_034), 4.0 * part(0.414_214) - 2.0);
             let flight = falling(gap, speed, 1.2 * part(0.732_051) - 0.9, TAU * part(0.236_068));
             let (found, known) = (flight.first_touch(20.0, 0.0), by_steps(&flight, 20.0));
-            // the step of the search is 5e-5; gaps that are negative for less than that may be missed by the steps
+            // the step of the search is 5e-5 s; the search may miss overlaps that last for a shorter time
             match (found, known) {
                 (Some(found), Some(known)) => assert!((known - found).abs() < 6e-5 || found < known, "{flight:?}"),
                 (None, Some(known)) => panic!("missed {known}: {flight:?}"),
