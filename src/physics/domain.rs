@@ -54,7 +54,7 @@ pub struct Domain {
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
     /// [m²] square of the shortest half edge length of a periodic axis. If the distance of two particles is below this
-    /// half edge, no periodic image shortens it. Infinite without periodic axes.
+    /// half edge, no periodic image is nearer. Infinite without periodic axes.
     #[serde(skip)]
     direct: f64,
     /// [1/m] inverse edge length along periodic axes, 0 along others.
@@ -220,7 +220,7 @@ impl Domain {
     }
 
     /// True only if no periodic image of a particle is nearer to a second particle than the particle itself. `apart`
-    /// [m] is the vector between the two. The result may be false although no image is nearer.
+    /// [m] is the vector between the two particles. The result may be false although no image is nearer.
     #[inline]
     pub fn is_direct(&self, apart: &Vector3<f64>) -> bool {
         apart.norm_squared() < self.direct

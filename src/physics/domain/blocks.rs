@@ -12,9 +12,9 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Cuts the box into one block per process, for particles at `positions` [m]. The planes perpendicular to one axis
-    /// divide the box into slices with nearly equal numbers of particles. If the box has periodic axes, only these axes
-    /// are cut; otherwise all axes may be cut. The axis along which the blocks are longest is cut first.
+    /// Cuts the box into one block per process, for particles at `positions` [m]. The cutting planes perpendicular to
+    /// each axis divide the box into slices with nearly equal numbers of particles. If the box has periodic axes, only
+    /// these axes are cut; otherwise all axes may be cut. The axis along which the blocks are longest is cut first.
     pub fn of(positions: &[Vector3<f64>], processes: usize, domain: &Domain) -> Self {
         let blocks = along_axes(processes, domain);
         let ends = std::array::from_fn(|axis| {

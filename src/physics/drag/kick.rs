@@ -1,9 +1,9 @@
 //! Drag kick of many particles: the change of the slip velocity in a given time, tabulated over the slip speed.
 //!
-//! The slip velocity is the velocity of a particle relative to the gas. For one sphere and one duration, its relative
-//! change depends only on the slip speed w. The change is `ratio - 1`, where `ratio` is the slip speed after the kick
-//! over that before. The law of Schiller and Naumann needs a power, two exponentials and a logarithm per particle, the
-//! table only a polynomial.
+//! The slip velocity is the velocity of a particle relative to the gas. For one sphere and one duration, the relative
+//! change of the slip velocity depends only on the slip speed w. The relative change is `ratio - 1`, where `ratio` is
+//! the slip speed after the kick over that before. The law of Schiller and Naumann needs a power, two exponentials and
+//! a logarithm per particle; the table needs only a polynomial.
 //!
 //! The table divides the range of w² into pieces, each with one polynomial. The index of a piece is the exponent and
 //! the leading bits of w² as a floating-point number. Every octave (factor of two) of w² therefore has the same number
@@ -24,8 +24,8 @@ const LOWEST: f64 = 1.0 / (1_u64 << 40) as f64;
 /// m/s.
 const HIGHEST: f64 = 4096.0;
 /// [-] largest allowed relative error of a piece of the table. Instead of a piece with a larger error, the law itself
-/// is evaluated. The error is at most 2e-10 for a smooth law, and about 1e-3 in a piece in which a law switches between
-/// two formulas.
+/// is evaluated. The error is at most 2e-10 for a smooth law, and about 1e-3 in a piece of the table in which a law
+/// switches between two formulas.
 const TOLERANCE: f64 = 5e-10;
 
 /// Number of coefficients of the polynomial of each piece of the table.

@@ -117,8 +117,9 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
     /// [m/s] before; at most 0. The gas velocity is constant. The logarithm is -∫dt/τ, from the exact solution of
     /// dw/dt = -w/τ(w).
     ///
-    /// A kick needs the ratio minus 1, which is more precise from the logarithm than from the ratio. A law with a
-    /// closed form overrides this method. By default the equation is integrated to a relative error of 1e-12.
+    /// A kick (change of the velocities by drag in a given time) needs this ratio minus 1, which is more precise if it
+    /// is computed from the logarithm. A law with a closed form overrides this method. By default the equation is
+    /// integrated to a relative error of 1e-12.
     fn log_decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         flow::integrate(&|log| -1.0 / self.response_time(sphere, slip * log.exp()), duration)
     }

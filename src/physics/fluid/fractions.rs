@@ -14,8 +14,8 @@ use crate::particles::{CHUNK, Particles};
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Number of integer units in the volume of a cell. Sums of up to 128 cell volumes fit into 64 bits. A particle with
-/// 1e-9 of the volume of a cell has 7e7 units, so its volume has seven digits.
+/// Number of integer units in the volume of a cell. A sum of particle volumes up to 128 cell volumes fits into 64
+/// bits. A particle with 1e-9 of the volume of a cell has 7e7 units, so its volume has seven digits.
 const UNIT: f64 = (1_u64 << 56) as f64;
 
 /// Volume fractions of particles in all cells of the box.
@@ -29,14 +29,14 @@ pub struct LocalFractions {
     values: Vec<f64>,
 }
 
-/// The two neighbouring cells between which a sphere is divided along one axis: index of the cell along the axis, and
-/// share [-] of the volume.
+/// The two neighbouring cells between which a sphere is divided along one axis, each with its index along the axis and
+/// its share [-] of the sphere's volume.
 type Portions = [(usize, f64); 2];
 
 impl LocalFractions {
-    /// Volume fractions of particles in a grid of equal cells, whose numbers along x, y and z are in `cells`. With a
-    /// communicator, each process passes its own particles, and all processes receive the fractions of all particles. A
-    /// cell must be at least as wide as a sphere.
+    /// Computes the volume fractions of particles in a grid of equal cells. `cells` contains the numbers of cells
+    /// along x, y and z. With a communicator, each process passes its own particles, and all processes receive the
+    /// fractions of all particles. A cell must be at least as wide as a sphere.
     pub fn of(
         particles: &Particles,
         domain: &Domain,

@@ -38,21 +38,22 @@ pub(super) struct HalfChannel {
     pub face_stress: Option<Vec<f64>>,
 }
 
-/// Parameters of one sweep, which updates k and ε once.
+/// Parameters of one sweep, which updates the turbulent kinetic energy k and its dissipation rate ε once.
 pub(super) struct SweepStep<'a> {
     /// [-] weight of the newly computed values in the next iterate; the previous values have the remaining weight.
     pub relaxation: f64,
     /// [-] inverse of the time step in wall units, for the implicit Euler scheme; 0 for the steady equations.
     pub rate: f64,
-    /// Rate at which particles damp k, one value per cell in wall units, followed by the factor by which this rate is
-    /// multiplied in the equation of ε.
+    /// Rate at which particles damp the turbulent kinetic energy, one value per cell in wall units, followed by the
+    /// factor by which this rate is multiplied in the equation of the dissipation rate.
     pub damping: (&'a [f64], f64),
-    /// Production of k by particles, one value per cell in wall units; empty without such a production.
+    /// Production of turbulent kinetic energy by particles, one value per cell in wall units; empty without such a
+    /// production.
     pub produced: &'a [f64],
 }
 
 impl SweepStep<'_> {
-    /// Production of k by particles in a cell, in wall units.
+    /// Production of turbulent kinetic energy by particles in a cell, in wall units.
     pub fn produced_in(&self, cell: usize) -> f64 {
         self.produced.get(cell).copied().unwrap_or(0.0)
     }
@@ -61,13 +62,13 @@ impl SweepStep<'_> {
 /// Steady diffusion-reaction equation of one quantity φ: -(D φ')' + sink φ = source in every cell. The diffusivity is D
 /// = 1 + ν_t/σ, with the eddy viscosity ν_t.
 pub(super) struct Equation<'a> {
-    /// [-] turbulent Prandtl number σ of φ.
+    /// [-] turbulent Prandtl number σ of the quantity φ.
     pub prandtl: f64,
-    /// Coefficient of φ in the sink term of each cell, per volume and in wall units; >= 0.
+    /// Coefficient of the quantity φ in the sink term of each cell, per volume and in wall units; >= 0.
     pub sink: &'a [f64],
-    /// Source term of φ in each cell, per volume and in wall units.
+    /// Source term of the quantity φ in each cell, per volume and in wall units.
     pub source: &'a [f64],
-    /// Condition on φ at the wall.
+    /// Condition on the quantity φ at the wall.
     pub wall: WallCondition,
 }
 
@@ -83,8 +84,8 @@ pub(super) enum WallCondition {
 }
 
 impl HalfChannel {
-    /// Makes a half channel with given faces, as fractions of h from 0 to 1. `reynolds_tau` is the first estimate of
-    /// Re_τ.
+    /// Makes a half channel with the given faces of cells: distances from the wall over the half height, from 0 to 1.
+    /// `reynolds_tau` is the first estimate of the friction Reynolds number.
     pub fn new(section: Section, faces: &[f64], reynolds_tau: f64) -> Self {
         let mut channel = Self {
             section,
@@ -98,9 +99,9 @@ impl HalfChannel {
             face_stress: None,
         };
         channel.stretch(reynolds_tau);
-        // The iteration converges from any positive start. The start here has the right size: the mixing length of the
-        // logarithmic layer with van Driest's damping (1956, A+ = 26), and k+ = 1/sqrt(C_mu). Both are reduced towards
-        // the centre.
+        // The iteration converges from any positive start. The start here has the right size: the eddy viscosity is
+        // that of the logarithmic layer with van Driest's damping (1956, A+ = 26), and k+ is 1/sqrt(C_mu). Both are
+        // reduced towards the centre.
         for &y in &channel.y {
             let damping = 1.0 - (-y / 26.0).exp();
             let nu_t = wall_functions::KAPPA * y * damping * damping * (1.0 - 0.5 * y / reynolds_tau);
@@ -112,7 +113,7 @@ impl HalfChannel {
         channel
     }
 
-    /// Changes Re_τ. All distances are scaled, so that the grid in y/h does not change.
+    /// Changes the friction Reynolds number Re_τ. All distances are scaled, so that the grid in y/h does not change.
     pub fn stretch(&mut self, reynolds_tau: f64) {
         let factor = reynolds_tau / self.reynolds_tau;
         self.face.iter_mut().chain(&mut self.y).for_each(|y| *y *= factor);
@@ -156,8 +157,8 @@ impl HalfChannel {
     }
 
     /// Integrates (1 + ν_t) dU/dy = τ from the wall to the centre, starting with the velocity `first` in the first
-    /// cell. Here ν_t is the eddy viscosity, and τ the shear stress, which is 1 - y/h in a gas alone. The discrete
-    /// stress balance then holds at every face, up to rounding.
+    /// cell. Here U is the mean velocity, ν_t the eddy viscosity, and τ the shear stress, which is 1 - y/h in a gas
+    /// alone. The discrete stress balance then holds at every face, up to rounding.
     pub fn integrate_momentum(&mut self, first: f64) {
         self.u[0] = first;
         for i in 1..self.u.len() {

@@ -62,8 +62,8 @@ pub enum TurbulenceModel {
 }
 
 impl TurbulenceModel {
-    /// Updates k, ε and ν_t of a flow once, by one step in time or one iteration of the steady equations. Returns the
-    /// largest relative change [-].
+    /// Updates the turbulence of a flow (k, ε and the eddy viscosity) once, by one step in time or one iteration of
+    /// the steady equations. Returns the largest relative change [-] of k and ε.
     pub(super) fn sweep_turbulence(self, channel: &mut HalfChannel, step: &SweepStep) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::sweep_turbulence(channel, step),
@@ -79,8 +79,8 @@ impl TurbulenceModel {
         }
     }
 
-    /// Velocity U of the first cell divided by the stress τ_w at the wall, in wall units. With this ratio the stress at
-    /// the wall follows from the velocity.
+    /// Velocity U of the first cell divided by the stress τ_w at the wall, in wall units. With this ratio the stress
+    /// at the wall is computed from the velocity.
     pub(super) fn first_velocity_per_stress(self, channel: &HalfChannel) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::velocity_per_stress(channel, channel.y[0]),
@@ -88,7 +88,7 @@ impl TurbulenceModel {
         }
     }
 
-    /// True if the equations of k and ε are solved down to the wall, where k is 0.
+    /// True if the equations of the turbulence are solved down to the wall, where the kinetic energy k is 0.
     pub(super) fn reaches_the_wall(self) -> bool {
         match self {
             Self::WallFunctions => false,
@@ -141,7 +141,7 @@ pub struct ChannelFlow {
     pub height: f64,
     /// [m²/s] kinematic viscosity ν.
     pub kinematic_viscosity: f64,
-    /// [m/s] bulk velocity: mean over the cross-section, with the flow between the wall and the first node.
+    /// [m/s] bulk velocity: mean over the cross-section, including the flow between the wall and the first node.
     pub bulk_velocity: f64,
     /// [m/s] velocity on the centre plane, or on the axis of a pipe.
     pub centre_velocity: f64,
@@ -155,9 +155,9 @@ pub struct ChannelFlow {
     /// nodes. With wall functions it also has points of the law of the wall below the first node, and interpolated
     /// points between nodes.
     pub profile: Vec<(f64, f64)>,
-    /// Number of sweeps over k and ε for all corrections of Re_τ together.
+    /// Number of sweeps (updates of k and ε in all cells) for all corrections of Re_τ together.
     pub iterations: usize,
-    /// [-] largest relative change of k and ε in the last sweep.
+    /// [-] largest relative change of k and ε in the last sweep (update of both in all cells).
     pub residual: f64,
     /// [u_τ³] terms of the balance of turbulent kinetic energy k, integrated over the half channel.
     pub k_budget: KBudget,
@@ -319,7 +319,7 @@ impl ChannelFlow {
     ///
     /// # Errors
     ///
-    /// None for a solved flow; those of [`VelocityTable::new`] if `profile` was altered.
+    /// A solved flow gives no error. If `profile` was altered, the errors are those of [`VelocityTable::new`].
     pub fn half_table(&self) -> Result<VelocityTable, String> {
         half_table(&self.profile)
     }
@@ -349,7 +349,7 @@ fn bulk_reynolds(velocity: f64, height: f64, kinematic_viscosity: f64, model: Tu
 /// Velocity profile U(y) from the wall to the centre, as points (y, U) in wall units.
 ///
 /// # Errors
-/// Those of [`VelocityTable::new`]: none unless the solution is not finite.
+/// A velocity of the solution that is not finite.
 fn profile(channel: &HalfChannel, model: TurbulenceModel) -> Result<Vec<(f64, f64)>, String> {
     match model {
         TurbulenceModel::WallFunctions => wall_functions::profile(channel),
@@ -361,9 +361,9 @@ fn half_table(profile: &[(f64, f64)]) -> Result<VelocityTable, String> {
     VelocityTable::with_end_slopes(profile, [None, Some(0.0)])
 }
 
-/// Repeats sweeps over k and ε until a sweep changes them by less than `SWEEP_TOLERANCE`. Adds the number of sweeps to
-/// `iterations`, and returns the last relative change [-]. Returns an error if this does not happen within `SWEEPS`
-/// sweeps, or if a change is not finite.
+/// Repeats sweeps (updates of k and ε in all cells) until a sweep changes both by less than `SWEEP_TOLERANCE`. Adds
+/// the number of sweeps to `iterations`, and returns the last relative change [-]. Returns an error if `SWEEPS` sweeps
+/// do not suffice, or if a change is not finite.
 fn converge(channel: &mut HalfChannel, model: TurbulenceModel, iterations: &mut usize) -> Result<f64, String> {
     let mut change = f64::INFINITY;
     for _ in 0..SWEEPS {

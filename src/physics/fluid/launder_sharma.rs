@@ -10,7 +10,7 @@ use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 pub(super) const CELLS: usize = 240;
 /// [-] distance y+ of the centre of the first cell from the wall, for `CELLS` cells.
 const FIRST_NODE: f64 = 0.05;
-/// [-] weight of the newly computed k and ε in the next iterate; the previous values have the remaining weight.
+/// [-] weight of the newly computed k and ε̃ in the next iterate; the previous values have the remaining weight.
 const RELAXATION: f64 = 0.7;
 
 /// Faces of cells, as distances from the wall over the half height h of the channel, from 0 to 1. Each cell is wider
@@ -29,13 +29,14 @@ pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
     faces
 }
 
-/// [-] production of k, ν_t (dU/dy)², in wall units.
+/// [-] production ν_t (dU/dy)² of turbulent kinetic energy in a cell, in wall units, with the eddy viscosity ν_t and
+/// the mean velocity U.
 pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     channel.nu_t[cell] * channel.shear(cell).powi(2)
 }
 
-/// [-] difference D = 2 ν (d√k/dy)² between the dissipation rate ε and ε̃, in wall units. With this difference ε̃ = 0
-/// at the wall.
+/// [-] difference D = 2 ν (d√k/dy)² between the dissipation rate ε and the reduced rate ε̃, in wall units, with the
+/// turbulent kinetic energy k. With this difference ε̃ = 0 at the wall.
 pub(super) fn wall_dissipation(channel: &HalfChannel, cell: usize) -> f64 {
     let slope = |face: usize| match face {
         0 => channel.k[0].sqrt() / channel.y[0],
@@ -45,7 +46,8 @@ pub(super) fn wall_dissipation(channel: &HalfChannel, cell: usize) -> f64 {
     slope(cell).powi(2) + slope(cell + 1).powi(2)
 }
 
-/// [-] source E = 2 ν ν_t (d²U/dy²)² of ε̃ in the buffer layer near the wall, in wall units.
+/// [-] source E = 2 ν ν_t (d²U/dy²)² of the reduced dissipation rate ε̃ in the buffer layer near the wall, in wall
+/// units, with the eddy viscosity ν_t and the mean velocity U.
 fn buffer_source(channel: &HalfChannel, cell: usize) -> f64 {
     let shear = |face: usize| match face {
         0 => channel.wall_stress(),
@@ -61,7 +63,8 @@ fn reynolds_t(channel: &HalfChannel, cell: usize) -> f64 {
     channel.k[cell].powi(2) / channel.epsilon[cell]
 }
 
-/// Updates U, k, ε̃ and ν_t of a gas without particles once. Returns the largest relative change [-] of k and ε̃.
+/// Updates the flow of a gas without particles once: mean velocity U, turbulent kinetic energy k, reduced dissipation
+/// rate ε̃ and eddy viscosity ν_t. Returns the largest relative change [-] of k and ε̃.
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     // no slip at the wall: in wall units the stress at the wall is 1, so the velocity of the first cell equals its
     // distance from the wall
@@ -70,7 +73,8 @@ pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     sweep_turbulence(channel, &SweepStep { relaxation: RELAXATION, rate: 0.0, damping: (&none, 0.0), produced: &[] })
 }
 
-/// Updates k, ε̃ and ν_t once, by one iteration or one time step. Returns the largest relative change [-] of k and ε̃.
+/// Updates the turbulent kinetic energy k, the reduced dissipation rate ε̃ and the eddy viscosity ν_t once, by one
+/// iteration or one time step. Returns the largest relative change [-] of k and ε̃.
 pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f64 {
     let count = channel.k.len();
     let (damping, factor) = step.damping;
@@ -100,8 +104,8 @@ pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f
     change
 }
 
-/// Computes the eddy viscosity ν_t of every cell from k and ε̃. New values have the weight `relaxation` [-], and
-/// previous values the remaining weight.
+/// Computes the eddy viscosity of every cell from the turbulent kinetic energy and its reduced dissipation rate. New
+/// values have the weight `relaxation` [-], and previous values the remaining weight.
 pub(super) fn renew_viscosity(channel: &mut HalfChannel, relaxation: f64) {
     for i in 0..channel.k.len() {
         let reynolds = reynolds_t(channel, i);

@@ -1,5 +1,5 @@
-//! Lift and torque of the gas on a sphere. Lift is a force perpendicular to the slip velocity of the sphere, by shear
-//! of the gas or by spin.
+//! Lift and torque of the gas on a sphere. Lift is a force perpendicular to the slip velocity of the sphere; its cause
+//! is shear of the gas or spin of the sphere.
 //!
 //! The slip velocity s is the velocity of the gas relative to the sphere. During a kick (change of the velocities by
 //! lift in a given time) the gas and the spin are taken as constant. Then s turns about a fixed axis without a change
@@ -38,7 +38,8 @@ pub struct LiftedSphere {
 /// 1968).
 const SAFFMAN: f64 = 4.1126;
 
-/// [-] slip Reynolds number up to which the first formula of Mei (1992, Int. J. Multiphase Flow 18, 145) applies.
+/// [-] slip Reynolds number up to which the first of two formulas for the lift by shear applies (Mei 1992, Int. J.
+/// Multiphase Flow 18, 145).
 const MEI_LIMIT: f64 = 40.0;
 
 /// [-] Reynolds number Re_r = Ω d²/ν of spin, with the angular velocity Ω of the gas relative to the sphere, up to
@@ -126,7 +127,8 @@ impl Lift {
         if self.spin && speed > 0.0 && turn != Vector3::zeros() {
             rate -= turn * sphere.magnus(speed, turn.norm());
         }
-        // ds/dt = -dv/dt = -k_S s × ω - k_M Ω × s = (k_S ω - k_M Ω) × s
+        // with the velocity v of the sphere and the factors k_S by shear and k_M by spin: ds/dt = -dv/dt = -k_S s ×
+        // ω - k_M Ω × s = (k_S ω - k_M Ω) × s
         Rotation3::from_scaled_axis(rate * duration) * slip
     }
 

@@ -1,6 +1,7 @@
 //! Gas flow in a channel or a pipe, changed by the particles in it (two-way coupling in one dimension).
 //! `docs/design/coupling.md` gives the equations and the reasons. k [m²/s²] is the turbulent kinetic energy, ε [m²/s³]
-//! its dissipation rate. Wall units are powers of ν and of the friction velocity u_τ of the gas alone.
+//! its dissipation rate. In wall units, lengths are in units of ν/u_τ and velocities in units of u_τ, with the
+//! kinematic viscosity ν and the friction velocity u_τ of the gas alone.
 
 use super::half_channel::{HalfChannel, SweepStep};
 use super::k_epsilon::{ChannelFlow, TurbulenceModel};
@@ -8,18 +9,17 @@ use super::turbulence::Langevin;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// [-] factor C_ε3: particles damp ε at C_ε3 ε/k times the rate at which they damp k; Elghobashi and Abou-Arab 1983,
-/// Phys. Fluids 26, 931, and Simonin (1996).
+/// [-] factor C_ε3: particles damp the dissipation rate ε at C_ε3 ε/k times the rate at which they damp the kinetic
+/// energy k; Elghobashi and Abou-Arab 1983, Phys. Fluids 26, 931, and Simonin (1996).
 const C_EPSILON_3: f64 = 1.2;
-/// [u_τ²] and [u_τ⁴/ν] smallest allowed k and ε, far below any value of a turbulent flow. They keep k/ε finite where
-/// particles have damped the turbulence. Here u_τ is the friction velocity of the gas alone.
+/// Smallest allowed turbulent kinetic energy k [u_τ²] and dissipation rate ε [u_τ⁴/ν], far below those of any
+/// turbulent flow. These limits keep k/ε finite where particles have damped the turbulence.
 const LEAST: f64 = 1e-12;
 
 /// Settings of the two-way coupling, in which gas and particles change each other's momentum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coupling {
-    /// Number of slices of equal width between the wall and the centre plane or the axis. The force on the particles is
-    /// summed in each slice.
+    /// Number of slices of equal width from the wall to the centre plane or the axis, for sums over particles.
     pub slices: usize,
     /// Quantity that is kept constant while the particles change the flow.
     pub held: HeldFlow,
@@ -44,13 +44,14 @@ pub enum HeldFlow {
 pub enum Modulation {
     /// Particles change the turbulence only through the mean velocity of the gas.
     None,
-    /// Particles damp k at the rate 2 r k St/(1 + St), and ε at 1.2 ε/k times this rate (Simonin 1996). St is τ over
-    /// the integral time of the gas velocity that particles see. The covariance of gas and particle velocities is that
-    /// of Tchen (1947), 2k/(1 + St).
+    /// Particles damp the kinetic energy k at the rate 2 r k St/(1 + St), with the exchange rate r, and ε at 1.2 ε/k
+    /// times this rate (Simonin 1996). St is the response time τ over the integral time of the gas velocity that
+    /// particles see. The covariance of gas and particle velocities is that of Tchen (1947), 2k/(1 + St).
     Simonin,
-    /// Particles produce k at the rate r s² by their mean slip s. Then ε is k^(3/2)/l with the length l from
-    /// 1/l = 1/l_0 + 1/λ. Here l_0 = k^(3/2)/ε is that of the gas alone, and λ the mean distance between the surfaces
-    /// of neighbouring particles (Crowe 2000, Int. J. Multiphase Flow 26, 719; Kenning and Crowe 1997, ibid. 23, 403).
+    /// Particles produce the kinetic energy k at the rate r s² by their mean slip s, with the exchange rate r. Then ε
+    /// is k^(3/2)/l with 1/l = 1/l_0 + 1/λ. Here l_0 is the length k^(3/2)/ε of the gas alone, and λ the mean distance
+    /// between the surfaces of neighbouring particles (Crowe 2000, Int. J. Multiphase Flow 26, 719; Kenning and Crowe
+    /// 1997, ibid. 23, 403).
     Crowe,
 }
 
@@ -70,8 +71,8 @@ pub struct SliceSums {
 }
 
 impl SliceSums {
-    /// [m] mean distance between the surfaces of neighbouring particles in the volume `volume` [m³] of a slice: edge of
-    /// a cube with the volume per particle, minus the diameter for the mean particle volume. It is at least a hundredth
+    /// [m] mean distance between the surfaces of neighbouring particles in a slice of `volume` [m³]: edge of a cube
+    /// with the volume per particle, minus the diameter of a sphere with the mean volume. It is at least a hundredth
     /// of this diameter, so that dissipation stays finite in a packing. It is infinite without particles.
     pub fn spacing(&self, volume: f64) -> f64 {
         /// [-] least distance between surfaces over the diameter; chosen for this program.
@@ -106,12 +107,12 @@ pub struct LoadedFlow {
     /// [m/s] bulk velocity of the gas alone, divided by its flow rate on the grid. The bulk velocity also includes the
     /// flow between the wall and the first node, by the law of the wall.
     bulk_per_flow: f64,
-    /// Pressure gradient in the latest step, in wall units; before the first step, that of the steady gas alone.
+    /// Pressure gradient in the latest step, in wall units; at first the given gradient, or that of the gas alone.
     pressure_gradient: f64,
     /// [kg m/s] momentum along z that lift has given to the particles of each slice since the latest step. The gas
     /// loses it in the next step.
     owed: Vec<f64>,
-    /// Lengths k^(3/2)/ε of the gas alone, one per cell in wall units. They are used with Crowe's modulation only.
+    /// Lengths k^(3/2)/ε of the gas alone, one per cell in wall units, which only Crowe's modulation uses.
     alone_length: Vec<f64>,
     /// Constants by which Simonin's modulation computes the integral time of the gas velocity that particles see.
     langevin: Langevin,
@@ -202,12 +203,10 @@ impl LoadedFlow {
         0.5 * self.height / self.channel.reynolds_tau
     }
 
-    /// [s] unit of times: the unit of lengths over the unit of velocities.
     fn unit_time(&self) -> f64 {
         self.unit_length() / self.unit_velocity()
     }
 
-    /// [Pa/m] unit of pressure gradients.
     fn unit_gradient(&self) -> f64 {
         self.density * self.unit_velocity().powi(2) / self.unit_length()
     }
@@ -263,14 +262,14 @@ impl LoadedFlow {
         self.channel.face.windows(2).map(cell).collect()
     }
 
-    /// Stores momentum along z [kg m/s] that lift has given to the particles, one number per slice. The gas loses this
-    /// momentum in the next step.
+    /// Stores momentum along z [kg m/s] that lift gave to the particles of each slice. The gas loses it in the next
+    /// step.
     pub fn owe(&mut self, impulses: impl IntoIterator<Item = f64>) {
         self.owed.iter_mut().zip(impulses).for_each(|(owed, impulse)| *owed += impulse);
     }
 
     /// Advances the gas by `duration` [s]. `slices` contains the sums over the particles of each slice for this time.
-    /// The implicit Euler scheme computes the velocity with k, ε and ν_t of the previous step.
+    /// The implicit Euler scheme for the velocity uses the k, ε and eddy viscosity of the previous step.
     pub fn advance(&mut self, duration: f64, slices: &[SliceSums]) {
         let per_volume = |of: &dyn Fn(usize, &SliceSums) -> f64| -> Vec<f64> {
             slices.iter().enumerate().map(|(slice, sums)| of(slice, sums) / self.slice_volume(slice)).collect()
@@ -379,7 +378,7 @@ impl LoadedFlow {
         self.channel.face_stress = Some(stress.collect());
     }
 
-    /// Rate at which particles damp k in each cell, in wall units, in a step of `duration` [s].
+    /// Damping rate of the turbulent kinetic energy in each cell by Simonin's modulation, in wall units; otherwise 0.
     fn damping(&self, duration: f64, slices: &[SliceSums]) -> Vec<f64> {
         let count = self.channel.u.len();
         match self.coupling.modulation {
@@ -390,7 +389,8 @@ impl LoadedFlow {
             self.on_cells(&slices.iter().map(|sums| of(sums, duration)).collect::<Vec<_>>())
         };
         let rates = self.exchange_rates(slices);
-        // means of slices without particles are 0 and have no effect, since their rate is 0 too
+        // slices without particles have the means 0; cells wholly within such slices have the rate 0, so the means do
+        // not matter
         let response = slice(|sums, _| if sums.exchange > 0.0 { sums.mass / sums.exchange } else { 0.0 });
         let slip =
             slice(|sums, duration| if sums.exchange > 0.0 { sums.impulse / (sums.exchange * duration) } else { 0.0 });
@@ -431,8 +431,8 @@ impl LoadedFlow {
         rates.zip(&self.gas_fraction).map(|((rate, square), gas)| rate / gas * square * unit).collect()
     }
 
-    /// Lengths l in ε = k^(3/2)/l of the gas among the particles, one per cell in wall units; empty unless the
-    /// modulation is that of Crowe.
+    /// Lengths l of the gas among the particles, by which the dissipation rate is ε = k^(3/2)/l, one per cell in wall
+    /// units; empty unless the modulation is that of Crowe.
     fn hybrid_lengths(&self, slices: &[SliceSums]) -> Vec<f64> {
         match self.coupling.modulation {
             Modulation::None | Modulation::Simonin => return Vec::new(),
@@ -443,7 +443,7 @@ impl LoadedFlow {
         self.alone_length.iter().zip(inverse).map(|(length, inverse)| 1.0 / (1.0 / length + inverse)).collect()
     }
 
-    /// Sets ε = k^(3/2)/l in every cell for given lengths l in wall units. Without lengths nothing changes.
+    /// Sets the dissipation rate ε = k^(3/2)/l in every cell for lengths l in wall units, unless `lengths` is empty.
     fn set_dissipation(&mut self, lengths: &[f64]) {
         let cells = self.channel.epsilon.iter_mut().zip(&self.channel.k).zip(lengths);
         cells.for_each(|((epsilon, k), length)| *epsilon = k.powf(1.5) / length);

@@ -1,6 +1,6 @@
 //! The gas around the particles.
 //!
-//! Without a [`Coupling`] in the scene the gas is frozen, which means that the particles do not change it. The mean
+//! Without a [`Coupling`] in the scene the gas is frozen: the particles do not change the flow of the gas. The mean
 //! velocity of the gas is streamwise (along z). In a channel the velocity depends only on the wall-normal distance y
 //! (section 2.1 of the paper, see `docs/paper.md`), in a pipe on the distance from the axis.
 //!
@@ -63,7 +63,7 @@ pub struct Fluid {
 
 impl Fluid {
     /// Makes a frozen gas without buoyancy, turbulence and lift, from its density [kg/m³], kinematic viscosity [m²/s],
-    /// velocity profile and drag law. With `None` the gas exerts no drag.
+    /// velocity profile and drag law. If `drag` is `None`, the gas exerts no drag.
     pub fn new(density: f64, kinematic_viscosity: f64, profile: Profile, drag: Option<Drag>) -> Self {
         Self {
             density,

@@ -21,7 +21,7 @@ impl Pipe {
     ///
     /// # Errors
     ///
-    /// None for a solved flow; those of [`VelocityTable::new`] if its profile was altered.
+    /// A solved flow gives no error. If its profile was altered, the errors are those of [`VelocityTable::new`].
     pub fn new(center: [f64; 2], flow: ChannelFlow) -> Result<Self, String> {
         Ok(Self { center, half: flow.half_table()?, flow })
     }
@@ -58,7 +58,7 @@ impl Pipe {
         self.half.slope(depth)
     }
 
-    /// [m/s] gas velocity at the coordinate `y` [m], on the line through the axis along y.
+    /// [m/s] gas velocity at the coordinate `y` [m], on the line along y that crosses the axis.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {
         self.half.value(self.radius() - (y - self.center[1]).abs())

@@ -7,11 +7,13 @@ use serde::Serialize;
 const BINS_PER_NODE: usize = 16;
 
 /// Function u(y) through given points: piecewise cubic with continuous slope and no overshoot between points. The
-/// scheme is PCHIP: Fritsch and Butland 1984, slopes by the weighted harmonic mean of Brodlie. The function is constant
-/// outside the points.
+/// units in this type are those of a velocity u; tables of a time or another quantity have other units. The scheme is
+/// PCHIP: Fritsch and Butland 1984, slopes by the weighted harmonic mean of Brodlie. The function is constant outside
+/// the points.
 ///
-/// A uniform index over y gives the cubic piece, so that an evaluation takes the same computing time for every y. One
-/// evaluation is needed per particle and window (time between two exchanges of momentum with the gas).
+/// An index that divides the range of y into equal bins gives the cubic piece, so that an evaluation takes the same
+/// computing time for every y. One evaluation is needed per particle and window (time between two exchanges of
+/// momentum with the gas).
 #[derive(Clone, Debug, Serialize)]
 pub struct VelocityTable {
     pieces: Vec<CubicPiece>,

@@ -45,8 +45,8 @@ pub enum EddyLaw {
     Eddy,
 }
 
-/// Standard deviation of the velocity and turnover time of the eddies as functions of position. The turbulence is
-/// assumed isotropic.
+/// Standard deviation of the gas velocity, and turnover time of the eddies, as functions of position. The turbulence
+/// is assumed isotropic.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceStatistics {
@@ -110,7 +110,7 @@ impl TurbulenceStatistics {
     ///
     /// # Errors
     ///
-    /// None for a solved flow; those of [`VelocityTable::new`] if its nodes were altered.
+    /// A solved flow gives no error. If its nodes were altered, the errors are those of [`VelocityTable::new`].
     pub fn of(flow: &ChannelFlow) -> Result<Self, String> {
         let nodes = flow.nodes.iter().map(|node| [node.y, node.k, node.epsilon]);
         let wall = flow.nodes.first().filter(|_| flow.model.reaches_the_wall()).map(|node| [0.0, 0.0, node.epsilon]);
@@ -249,14 +249,15 @@ impl AlongSlip {
 /// integral time T of the fluctuation that a particle sees.
 #[derive(Clone, Copy, Debug)]
 struct Relaxation {
-    /// [-] share of the initial fluctuation that remains at the end, exp(-x).
+    /// [-] share of the initial fluctuation that remains at the end: exp(-x) with x = h/T.
     kept: f64,
     /// [-] standard deviation of the fluctuation at the end about its expected value.
     drawn: f64,
-    /// [-] factor of the sum of the two end values in the expected mean of the fluctuation over the time h, for given
-    /// end values: tanh(x/2)/x.
+    /// [-] factor tanh(x/2)/x with x = h/T. This factor times the sum of the fluctuations at the start and at the end
+    /// is the expected mean of the fluctuation over the time h.
     ends: f64,
-    /// [-] standard deviation of the mean over the time h for given end values: sqrt(2 (x - 2 tanh(x/2)))/x.
+    /// [-] standard deviation of the mean over the time h, for a given start and end: sqrt(2 (x - 2 tanh(x/2)))/x with
+    /// x = h/T.
     between: f64,
 }
 
@@ -266,7 +267,7 @@ impl Relaxation {
             return Self { kept: 1.0, drawn: 0.0, ends: 0.5, between: 0.0 };
         }
         let ends = (0.5 * x).tanh() / x;
-        // rounding makes the difference inexact only for x below 1e-5, where the term itself is less than 1e-3
+        // rounding makes the difference inexact only for x below 1e-5, where the term itself is at most 1.3e-3
         Self {
             kept: (-x).exp(),
             drawn: (-(-2.0 * x).exp_m1()).sqrt(),
@@ -311,8 +312,9 @@ impl Langevin {
     }
 
     /// Advances the fluctuation that a particle sees at its position by `duration` [s], exactly. Returns the
-    /// fluctuation at the end, and the weighted mean over this time to which the particle responds, both over σ [-].
-    /// `noise` [-] contains independent Gaussian numbers.
+    /// fluctuation at the end, and the weighted mean over this time to which the particle responds. Both are divided
+    /// by the standard deviation σ of the gas velocity [-]. `noise` [-] contains independent Gaussian numbers of mean
+    /// 0 and variance 1.
     ///
     /// The effect of an eddy on a particle decays with the response time τ of the particle: the weight of the time t
     /// before the end is exp(-t/τ). This weight is replaced by the sum of a constant weight and a weight at the end,
@@ -354,7 +356,7 @@ impl Langevin {
     /// Advances the fluctuation **u** [m/s] of a discrete random walk by `duration` [s], exactly. Returns **u** at the
     /// end, and the weighted mean of **u** to which the particle responds. `seen.fluctuation` is **u** here. The
     /// lifetimes of eddies have an exponential distribution, so a new lifetime may be drawn at each call. The
-    /// fluctuation then has the correlation exp(-t/T) of the Langevin equation.
+    /// fluctuation then has the correlation exp(-t/T) of the Langevin equation, with the integral time T.
     pub fn walk(
         &self,
         seen: &EddySeen,

@@ -11,7 +11,8 @@ use super::table::VelocityTable;
 pub(super) const KAPPA: f64 = 0.41;
 /// [-] constant E in U+ = ln(E y+)/κ on a smooth wall, used together with κ = 0.41.
 const E: f64 = 9.0;
-/// [-] distance y+ of the edge of the viscous sublayer in the two-layer law of the wall: the root of y+ = ln(E y+)/κ.
+/// [-] distance y+ of the edge of the viscous sublayer in the two-layer law of the wall. The root of y+ = ln(E y+)/κ,
+/// at which both layers have the same velocity, is 11.266; at this number the velocities differ by 0.3 %.
 const SUBLAYER: f64 = 11.225_301;
 
 /// [-] lowest bulk Reynolds number of the model. At lower values a half channel has no room for a logarithmic layer and
@@ -48,7 +49,9 @@ fn scale(channel: &HalfChannel) -> f64 {
     C_MU.powf(0.25) * channel.k[0].sqrt()
 }
 
-/// [-] production of k, ν_t (dU/dy)²; in the wall cell it is τ_w²/(κ u* y). In wall units.
+/// [-] production ν_t (dU/dy)² of turbulent kinetic energy in a cell, with the eddy viscosity ν_t and the mean
+/// velocity U. In the wall cell it is τ_w²/(κ u* y), with the wall stress τ_w and the velocity scale u*. All in wall
+/// units.
 pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     if cell == 0 {
         channel.wall_stress().powi(2) / (KAPPA * scale(channel) * channel.y[0])
@@ -57,14 +60,16 @@ pub(super) fn production(channel: &HalfChannel, cell: usize) -> f64 {
     }
 }
 
-/// Updates U, k, ε and ν_t of a gas without particles once. Returns the largest relative change [-] of k and ε.
+/// Updates the flow of a gas without particles once: mean velocity U, turbulent kinetic energy k, dissipation rate ε
+/// and eddy viscosity ν_t. Returns the largest relative change [-] of k and ε.
 pub(super) fn sweep(channel: &mut HalfChannel) -> f64 {
     channel.integrate_momentum(law(channel, channel.y[0]));
     let none = vec![0.0; channel.k.len()];
     sweep_turbulence(channel, &SweepStep { relaxation: RELAXATION, rate: 0.0, damping: (&none, 0.0), produced: &[] })
 }
 
-/// Updates k, ε and ν_t once, by one iteration or one time step. Returns the largest relative change [-] of k and ε.
+/// Updates the turbulent kinetic energy k, the dissipation rate ε and the eddy viscosity ν_t once, by one iteration or
+/// one time step. Returns the largest relative change [-] of k and ε.
 pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f64 {
     let count = channel.k.len();
     let (damping, factor) = step.damping;
@@ -90,15 +95,15 @@ pub(super) fn sweep_turbulence(channel: &mut HalfChannel, step: &SweepStep) -> f
     change
 }
 
-/// Computes the eddy viscosity ν_t of every cell from k and ε.
+/// Computes the eddy viscosity of every cell from the turbulent kinetic energy and its dissipation rate.
 pub(super) fn renew_viscosity(channel: &mut HalfChannel) {
     for i in 0..channel.k.len() {
         channel.nu_t[i] = C_MU * channel.k[i].powi(2) / channel.epsilon[i];
     }
 }
 
-/// [-] velocity U by the two-layer law of the wall, in wall units: τ_w y below the edge of the sublayer, and τ_w/(κ u*)
-/// ln(E u* y) above.
+/// [-] velocity U by the two-layer law of the wall, in wall units: τ_w y below the edge of the sublayer, and τ_w/(κ
+/// u*) ln(E u* y) above, with the wall stress τ_w and the velocity scale u*.
 fn law(channel: &HalfChannel, y: f64) -> f64 {
     channel.wall_stress() * velocity_per_stress(channel, y)
 }
@@ -110,13 +115,13 @@ pub(super) fn velocity_per_stress(channel: &HalfChannel, y: f64) -> f64 {
     if y * scale < SUBLAYER { y } else { (E * scale * y).ln() / (KAPPA * scale) }
 }
 
-/// Velocity profile U(y) as points. Up to the first node it is the law of the wall. From there to the centre plane it
-/// is a monotone cubic in ln y through the nodes. A cubic in y would not follow the logarithm between the first two
-/// nodes.
+/// Velocity profile U(y) as points (y, U) in wall units. Up to the first node the profile is the law of the wall. From
+/// there to the centre plane it is a monotone cubic in ln y through the nodes. A cubic in y would not follow the
+/// logarithm between the first two nodes.
 ///
 /// # Errors
 ///
-/// Those of [`VelocityTable::new`]: none unless the solution is not finite.
+/// A velocity of the solution that is not finite.
 pub(super) fn profile(channel: &HalfChannel) -> Result<Vec<(f64, f64)>, String> {
     let first = channel.y[0];
     let edge = (SUBLAYER / scale(channel)).min(0.9 * first);
@@ -130,7 +135,7 @@ pub(super) fn profile(channel: &HalfChannel) -> Result<Vec<(f64, f64)>, String> 
     y.push(channel.reynolds_tau);
     let centre = channel.centre_velocity();
     let nodes: Vec<_> = y.iter().zip(channel.u.iter().chain([&centre])).map(|(y, u)| (y.ln(), *u)).collect();
-    // The slope dU/d(ln y) at the first node is that of the law of the wall, 1/(κ u*).
+    // The slope dU/d(ln y) at the first node is that of the law of the wall, τ_w/(κ u*).
     let slope = channel.wall_stress() / (KAPPA * scale(channel));
     let table = VelocityTable::with_end_slopes(&nodes, [Some(slope), Some(0.0)])?;
     for (pair, nodes) in y.windows(2).zip(nodes.windows(2)) {

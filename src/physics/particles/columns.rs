@@ -1,9 +1,9 @@
 //! Columns of a particle store, all declared in one list.
 //!
-//! The macro [`columns`] makes a struct of arrays, and all operations on it, from a list of columns. A column that only
-//! some laws need is an `Option<Vec<T>>`. With `None` the column takes no memory, and operations skip it. If a store
-//! without such a column copies particles from a store with it, the column is added. The particles already in the store
-//! then have zeros in it.
+//! The macro [`columns`] makes a struct of arrays, and all operations on it, from a list of columns. A column that
+//! only some laws need is an `Option<Vec<T>>`. With `None` the column takes no memory, and operations skip it. If a
+//! store without such a column copies particles from a store with the column, the column is added. The particles that
+//! were in the store before then have zeros in the added column.
 //!
 //! Columns of quantities that change with time are marked `as moving`. Columns of quantities that forces change
 //! directly (velocity and spin) are marked `as moving by kicks`. From these marks the macro makes `Motion`, the moving
@@ -90,7 +90,7 @@ pub trait Column {
         }
     }
 
-    /// Appends `count` values that [`pack`](Self::pack) has written at the beginning of `bytes`; zeros if it wrote
+    /// Appends `count` values that [`pack`](Self::pack) has written at the beginning of `bytes`; zeros if `pack` wrote
     /// none. Returns the remaining bytes, or `None` if `bytes` cannot be a result of `pack`. `before` is the number of
     /// particles in this store before the call.
     fn unpack<'a>(&mut self, bytes: &'a [u8], count: usize, before: usize) -> Option<&'a [u8]> {

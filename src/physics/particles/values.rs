@@ -1,9 +1,10 @@
-//! Values of columns: as bytes for messages between processes, and as numbers for saved states of a run.
+//! Values of the columns of a particle store: as bytes for messages between processes, and as numbers for saved states
+//! of a run.
 
 use nalgebra::Vector3;
 
-/// A value that processes send to each other as bytes of fixed size. For millions of particles, text or an encoding
-/// with variable length would take longer than the transfer.
+/// A value that processes send to each other as a fixed number of bytes. For millions of particles, text or an
+/// encoding of variable length would take longer than the transfer.
 pub trait AsBytes: Sized {
     /// [bytes] size of one value in its packed form.
     const SIZE: usize;
@@ -47,7 +48,7 @@ impl AsBytes for Vector3<f64> {
 
 /// A value of a column that consists of one number or, for a vector, of three.
 pub trait AsNumbers {
-    /// The numbers of the value, in the order of the names in the declaration of the column.
+    /// The numbers of the value, in the order of the names (such as "x", "y", "z") in the declaration of the column.
     fn numbers(&self) -> &[f64];
 
     /// Mutable access to the numbers of the value, in the order of [`numbers`](Self::numbers).

@@ -1,8 +1,8 @@
 //! Initial state of the particles: random positions without overlap, which are the same for every model.
 //!
-//! Three methods remove overlaps. Each works in rounds; a round treats each overlap once. At low density, overlapping
-//! particles get new random positions (sequential insertion). At higher density, overlapping pairs are pushed apart. At
-//! the highest densities, all particles are moved at once like soft spheres (relaxation).
+//! Three methods remove overlaps. Each method works in rounds; a round treats each overlap once. At low density,
+//! overlapping particles get new random positions (sequential insertion). At higher density, overlapping pairs are
+//! pushed apart. At the highest densities, all particles are moved at once like soft spheres (relaxation).
 
 mod draw;
 mod parts;
@@ -31,13 +31,14 @@ const INSERTION_LIMIT: f64 = 0.2;
 /// Number of rounds after which a placement is given up. A round treats each overlap once.
 const ROUNDS: usize = 5000;
 
-/// Number of rounds in which spheres that overlap much larger ones get new random positions, before pairs are pushed
-/// apart. Without these new positions, dense groups around the larger spheres would spread slowly. After eight rounds,
-/// at a volume fraction of 0.3, fewer than one in 10⁴ spheres still overlap a larger sphere.
+/// Number of rounds (passes over all overlaps) in which spheres that overlap much larger spheres get new random
+/// positions, before pairs are pushed apart. Without these new positions, dense groups around the larger spheres would
+/// spread slowly. After eight rounds, at a volume fraction of 0.3, fewer than one in 10⁴ spheres still overlap a
+/// larger sphere.
 const ROUNDS_OF_INSERTION: usize = 8;
 
-/// Number of pairs in the neighbour list that count, in a round over all overlaps, as much effort as one particle. A
-/// dense start has about this number of pairs per particle.
+/// Number of pairs in the neighbour list that cost as much effort as one particle, in a round (pass over all
+/// overlaps). A dense start has about this number of pairs per particle.
 const PER_PARTICLE: u64 = 32;
 
 /// [-] fraction by which the radii of spheres are enlarged during placement, so that no spheres touch at the start. The
@@ -106,7 +107,7 @@ pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
 /// pairs.
 ///
 /// # Errors
-/// If random positions without overlap are not found within that effort.
+/// If random positions without overlap are not found within the given effort.
 pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Particles, Crowded> {
     StartPlan::of(experiment).make(effort)
 }
@@ -314,9 +315,9 @@ fn are_unequal(particles: &Particles, (i, j): (u32, u32)) -> bool {
     a.min(b) <= 0.5 * a.max(b)
 }
 
-/// Puts one particle of each overlapping pair at a new random position: the one that may move, or the smaller one if
-/// both may move. If the radii are equal, the particle with the higher id is moved. `is_free` is true for the ids of
-/// particles that may move.
+/// Puts one particle of each overlapping pair at a new random position: the particle that may move, or the smaller of
+/// the two if both may move. If the radii are equal, the particle with the higher id is moved. `is_free` is true for
+/// the ids of particles that may move.
 fn insert_again(
     particles: &mut Particles,
     overlaps: &[(u32, u32)],

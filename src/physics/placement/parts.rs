@@ -1,5 +1,5 @@
-//! Random starts that several processes make together. Each process generates all particles at random, and keeps those
-//! in its block (part of the box) and near that block.
+//! Random starts that several processes make together. Each process generates all particles at random, and keeps the
+//! particles in its own block (part of the box) and near this block.
 
 use super::draw::draw;
 use super::{

@@ -20,7 +20,7 @@ const LONGEST: f64 = 0.5;
 /// small, so that particles are moved hardly farther than needed.
 const PLACED_MARGIN: f64 = 1e-4;
 
-/// Particle with a given position that was moved farthest, and its displacement.
+/// Displacement of the particle that was moved farthest from its given position, and the id of this particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moved {
     /// [m] distance of the new position from the given position.
@@ -29,8 +29,8 @@ pub struct Moved {
     pub id: u32,
 }
 
-/// Pushes overlapping particles apart, and away from walls, until nothing overlaps. The velocities do not change.
-/// Afterwards the particles are in the order of their ids.
+/// Pushes overlapping particles apart, and away from walls, until nothing overlaps. The velocities do not change. The
+/// id of each particle must be its index; this order is kept.
 ///
 /// # Errors
 /// The number of remaining overlaps, if no arrangement without overlap was found.

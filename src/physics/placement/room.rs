@@ -146,8 +146,8 @@ impl FreeRoom {
         self.inside.is_empty() || self.inside.iter().any(holds)
     }
 
-    /// Returns a random position in the region at which a sphere of `radius` [m] touches no wall. If `ROUNDS` trials or
-    /// the effort end before one is found, the last position tried is returned.
+    /// Returns a random position in the region at which a sphere of `radius` [m] touches no wall. If no such position
+    /// is found within `ROUNDS` trials and the allowed effort, the last position tried is returned.
     pub fn somewhere(&self, radius: f64, random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
         let mut place = Vector3::zeros();
         for _ in 0..ROUNDS {
@@ -183,9 +183,9 @@ impl FreeRoom {
 
     /// [m³] volume that walls leave free in the box in which random positions are chosen, within the region. Without a
     /// region it is exact if all walls are planes perpendicular to the axes. Otherwise it is measured with points that
-    /// fill the box evenly. Coordinate k (1 to 3) of point n, divided by the edge, is the fractional part of 1/2 +
-    /// n/ρ^k. Here ρ = 1.2207... is the root of ρ⁴ = ρ + 1 (Roberts 2018, "The unreasonable effectiveness of
-    /// quasirandom sequences").
+    /// fill the box evenly. Coordinate k (1 to 3) of point n, counted from the lowest corner and divided by the edge,
+    /// is the fractional part of 1/2 + n/ρ^k. Here ρ = 1.2207... is the root of ρ⁴ = ρ + 1 (Roberts 2018, "The
+    /// unreasonable effectiveness of quasirandom sequences").
     pub fn volume(&self) -> f64 {
         *self.volume.get_or_init(|| self.measured_volume())
     }
