@@ -22,7 +22,7 @@ pub struct Shear {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orbit: Option<Orbit>,
     /// [m] displacement along z of the periodic image one box height above a particle, at the instant of this box (the
-    /// argument of [`Domain::at`]). It is between minus and plus half the edge length along z.
+    /// argument of [`Domain::at`]). The displacement is between minus and plus half the edge length along z.
     #[serde(skip)]
     offset: f64,
 }

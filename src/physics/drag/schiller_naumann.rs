@@ -14,8 +14,8 @@ const PLATEAU: f64 = 0.44;
 /// [-] product C_D Re of Stokes drag, which is 24.
 const STOKES: f64 = 24.0;
 
-/// [-] slip Reynolds number above which a warning is given: ten times the largest one at which the formula of Schiller
-/// and Naumann is valid.
+/// [-] slip Reynolds number above which a warning is given: ten times the largest number at which the formula of
+/// Schiller and Naumann is valid.
 const FAR: f64 = 10.0 * SWITCH;
 
 /// Drag law of Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, and C_D = 0.44 above. The

@@ -1,10 +1,10 @@
 //! Local volume fraction of particles, in a grid of equal cells.
 //!
 //! The volume of a sphere is divided among cells. Along each axis, the share of a cell is the part of the sphere
-//! between the two planes that bound the cell. A cell gets the product of its shares along the three axes. All products
-//! add up to one. The division is exact if planes of only one axis cut the sphere. The volume fraction at a particle is
-//! the mean over the cells that the particle overlaps, weighted with these products. It therefore changes continuously
-//! as particles move.
+//! between the two planes that bound the cell. A cell gets the product of its shares along the three axes. All
+//! products add up to one. The division is exact if planes of only one axis cut the sphere. The volume fraction at a
+//! particle is the mean over the cells that the particle overlaps, weighted with these products. So the volume
+//! fraction at a particle changes continuously as particles move.
 //!
 //! Volumes are added as integers, so that sums do not depend on the order of the particles, on threads or on processes.
 

@@ -75,11 +75,11 @@ pub(super) struct Equation<'a> {
 /// Condition on a transported quantity φ at the wall.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum WallCondition {
-    /// φ = 0 at the wall itself.
+    /// The quantity φ is 0 at the wall itself.
     Zero,
-    /// No flux of φ through the wall.
+    /// No flux of the quantity φ through the wall.
     Insulated,
-    /// The cell at the wall has this value of φ.
+    /// The cell at the wall has this value of the quantity φ.
     FirstCell(f64),
 }
 

@@ -12,15 +12,15 @@ use super::table::VelocityTable;
 use super::{launder_sharma, wall_functions};
 use serde::{Deserialize, Serialize};
 
-/// [-] constant C_μ in ν_t = C_μ k²/ε: Launder and Spalding 1974.
+/// [-] constant C_μ in the eddy viscosity ν_t = C_μ k²/ε: Launder and Spalding 1974.
 pub(super) const C_MU: f64 = 0.09;
-/// [-] constant C_1 of the production of ε: Launder and Spalding 1974.
+/// [-] constant C_1 of the production of the dissipation rate ε: Launder and Spalding 1974.
 pub(super) const C_1: f64 = 1.44;
-/// [-] constant C_2 of the destruction of ε: Launder and Spalding 1974.
+/// [-] constant C_2 of the destruction of the dissipation rate ε: Launder and Spalding 1974.
 pub(super) const C_2: f64 = 1.92;
-/// [-] turbulent Prandtl number σ_k of k: Launder and Spalding 1974.
+/// [-] turbulent Prandtl number σ_k of the turbulent kinetic energy k: Launder and Spalding 1974.
 pub(super) const SIGMA_K: f64 = 1.0;
-/// [-] turbulent Prandtl number σ_ε of ε: Launder and Spalding 1974.
+/// [-] turbulent Prandtl number σ_ε of the dissipation rate ε: Launder and Spalding 1974.
 pub(super) const SIGMA_EPSILON: f64 = 1.3;
 
 /// [-] bulk Reynolds number U_b 2h/ν below which a channel is not fully turbulent: lower end of Dean's data (1978).
@@ -71,7 +71,7 @@ impl TurbulenceModel {
         }
     }
 
-    /// Computes the eddy viscosity ν_t of every cell from k and ε.
+    /// Computes the eddy viscosity of every cell from the turbulent kinetic energy and its dissipation rate.
     pub(super) fn renew_viscosity(self, channel: &mut HalfChannel) {
         match self {
             Self::WallFunctions => wall_functions::renew_viscosity(channel),
@@ -123,7 +123,8 @@ pub struct GridNode {
     pub u: f64,
     /// [m²/s²] turbulent kinetic energy k at this distance.
     pub k: f64,
-    /// [m²/s³] dissipation rate ε of k. For the Launder-Sharma model it is the full rate, ε̃ + 2ν (d√k/dy)².
+    /// [m²/s³] dissipation rate ε of the turbulent kinetic energy k. For the Launder-Sharma model it is the full rate,
+    /// ε̃ + 2ν (d√k/dy)².
     pub epsilon: f64,
     /// [m²/s] eddy viscosity ν_t at this distance.
     pub nu_t: f64,
@@ -170,11 +171,12 @@ pub struct ChannelFlow {
 /// dissipation plus wall flux.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct KBudget {
-    /// [-] production of k: ∫ ν_t (dU/dy)² dy over the half channel.
+    /// [-] production of turbulent kinetic energy: ∫ ν_t (dU/dy)² dy over the half channel, with the eddy viscosity
+    /// ν_t and the mean velocity U.
     pub production: f64,
-    /// [-] dissipation of k: ∫ ε dy over the half channel, with the full dissipation rate ε.
+    /// [-] dissipation of turbulent kinetic energy: ∫ ε dy over the half channel, with the full dissipation rate ε.
     pub dissipation: f64,
-    /// [-] ν dk/dy at the wall, the flux of k into the wall; 0 with wall functions.
+    /// [-] ν dk/dy at the wall: the flux of turbulent kinetic energy k into the wall; 0 with wall functions.
     pub wall_flux: f64,
 }
 

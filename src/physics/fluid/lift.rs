@@ -95,7 +95,8 @@ impl LiftedSphere {
         if re_turn <= CREEPING_SPIN {
             return (-creeping * duration).exp();
         }
-        // dΩ/dt = -a Ω^(3/2) - b Ω has the solution Ω^(-1/2) = (Ω_0^(-1/2) + a/b) exp(b t/2) - a/b
+        // with the start value Ω_0, dΩ/dt = -a Ω^(3/2) - b Ω has the solution Ω^(-1/2) = (Ω_0^(-1/2) + a/b) exp(b
+        // t/2) - a/b
         let (a, b) = (TORQUE[0] * scale * per_rate.sqrt(), TORQUE[1] * scale * per_rate);
         let start = turn.powf(-0.5);
         let limit = (CREEPING_SPIN * per_rate).powf(-0.5);

@@ -168,15 +168,16 @@ impl VelocityTable {
             .sum()
     }
 
-    /// [m/s] largest value of u. A monotone cubic has it at one of the given points.
+    /// [m/s] largest value of u. A monotone cubic takes its largest value at one of the given points.
     pub fn maximum(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.value).fold(self.last, f64::max)
     }
 }
 
-/// [1/s] slopes at the points, for which every cubic piece is monotone (Fritsch and Butland 1984). The slope is 0 at an
-/// extremum. Elsewhere it is the harmonic mean of the secants on both sides, weighted by their widths. At an end
-/// without a given slope, it follows from a one-sided three-point formula, limited so that the piece is monotone.
+/// [1/s] slopes at the points, for which every cubic piece is monotone (Fritsch and Butland 1984). The slope is 0 at
+/// an extremum. Elsewhere it is the harmonic mean of the secants on both sides, weighted by their widths. At an end
+/// without a given slope, the slope follows from a one-sided three-point formula, limited so that the piece is
+/// monotone.
 fn slopes(points: &[(f64, f64)], ends: [Option<f64>; 2]) -> Vec<f64> {
     let width: Vec<f64> = points.windows(2).map(|p| p[1].0 - p[0].0).collect();
     let secant: Vec<f64> = points.windows(2).map(|p| (p[1].1 - p[0].1) / (p[1].0 - p[0].0)).collect();

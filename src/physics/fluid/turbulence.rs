@@ -146,8 +146,8 @@ impl Turbulence {
     }
 
     /// Statistics at the middles of narrow strips, on a line along y from wall to wall; in a pipe the line crosses the
-    /// axis. `height` [m] is that of the box. The number before each entry is the weight [-] of the strip in a mean
-    /// over the cross-section.
+    /// axis. `height` [m] is the height of the box. The number before each entry is the weight [-] of the strip in a
+    /// mean over the cross-section.
     pub fn strips(&self, profile: &Profile, height: f64) -> impl Iterator<Item = (f64, LocalTurbulence)> {
         let [low, high] = profile.between(height);
         let axis = match profile {
@@ -191,9 +191,9 @@ impl Turbulence {
     }
 }
 
-/// Langevin equation for the fluctuation **u** of the gas velocity that a particle sees, as **s** = **u**/σ. It is
-/// d**s** = (-**s**/T + ∇σ/(1 + St)) dt + sqrt(2/T) dW (Thomson 1987, J. Fluid Mech. 180, 529; Simonin, Deutsch and
-/// Minier 1993, Appl. Sci. Res. 51, 275).
+/// Langevin equation for the fluctuation **u** of the gas velocity that a particle sees. With the standard deviation σ
+/// of this velocity and **s** = **u**/σ, it is d**s** = (-**s**/T + ∇σ/(1 + St)) dt + sqrt(2/T) dW (Thomson 1987, J.
+/// Fluid Mech. 180, 529; Simonin, Deutsch and Minier 1993, Appl. Sci. Res. 51, 275).
 ///
 /// T is the integral time along the path of the particle ([`times`](Self::times)), and dW a random increment with the
 /// variance dt. St = τ/T_L is the Stokes number with the response time τ of the particle and the integral time T_L of
@@ -277,9 +277,9 @@ impl Relaxation {
     }
 }
 
-/// [-] weight of the gas velocity at the end of a kick (change of velocities by drag) in the mean gas velocity to which
-/// a particle responds. It is coth(r/2) - 2/r with r = `ratio` = h/τ, for a kick of length h and the response time τ.
-/// It is 0 for long response times and 1 for short ones.
+/// [-] weight of the gas velocity at the end of a kick (change of velocities by drag) in the mean gas velocity to
+/// which a particle responds. The weight is coth(r/2) - 2/r with r = `ratio` = h/τ, for a kick of length h and the
+/// response time τ. It is 0 for long response times and 1 for short response times.
 #[inline]
 fn lateness(ratio: f64) -> f64 {
     // first term of the series; the next term is at most 6e-12
@@ -332,7 +332,8 @@ impl Langevin {
             return [s; 2];
         }
         let following = |time: f64| time / (time + seen.response);
-        // the slip decays during a kick, to zero for particles that follow the gas; this is its mean over the kick
+        // the slip decays during a kick, to zero for particles that follow the gas; `lasting` is the mean of this
+        // decay over the kick
         let ratio = duration / seen.response;
         let lasting = if ratio > 0.0 { -(-ratio).exp_m1() / ratio } else { 1.0 };
         let guess = (seen.velocity - s * (local.deviation * following(local.time))) * lasting;
@@ -397,7 +398,7 @@ mod tests {
         for x in [1e-9_f64, 1e-4, 0.1, 1.0, 7.0, 1e3, f64::INFINITY] {
             let Relaxation { kept, drawn, ends, between } = Relaxation::over(x);
             let close = |name: &str, found: f64, wanted: f64| {
-                // the closed forms on the right lose digits to cancellation, up to the rounding over x²
+                // the expected values lose digits by cancellation; their error is at most the rounding over x²
                 let tolerance = 1e-12 + 4.0 * f64::EPSILON / x.min(1.0).powi(2).max(1e-5);
                 assert!((found - wanted).abs() < tolerance, "{name} at {x}: {found}, not {wanted}");
             };

@@ -297,8 +297,8 @@ macro_rules! columns {
             }
 
             /// Calls `visit` with every number of the moving state of the particle at an index. An optional column is
-            /// skipped where it is zero. Spheres that can rotate but have no spin therefore have the same checksum as
-            /// spheres that cannot rotate.
+            /// skipped where its value is zero. Spheres that can rotate but have no spin therefore have the same
+            /// checksum as spheres that cannot rotate.
             pub(crate) fn for_each_moving_number(&self, index: usize, visit: &mut impl FnMut(f64)) {
                 $($(
                     let _ = stringify!($moving);

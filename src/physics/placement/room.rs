@@ -182,10 +182,10 @@ impl FreeRoom {
     }
 
     /// [m³] volume that walls leave free in the box in which random positions are chosen, within the region. Without a
-    /// region it is exact if all walls are planes perpendicular to the axes. Otherwise it is measured with points that
-    /// fill the box evenly. Coordinate k (1 to 3) of point n, counted from the lowest corner and divided by the edge,
-    /// is the fractional part of 1/2 + n/ρ^k. Here ρ = 1.2207... is the root of ρ⁴ = ρ + 1 (Roberts 2018, "The
-    /// unreasonable effectiveness of quasirandom sequences").
+    /// region the volume is exact if all walls are planes perpendicular to the axes. Otherwise the volume is measured
+    /// with points that fill the box evenly. Coordinate k (1 to 3) of point n, counted from the lowest corner and
+    /// divided by the edge, is the fractional part of 1/2 + n/ρ^k. Here ρ = 1.2207... is the root of ρ⁴ = ρ + 1
+    /// (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
     pub fn volume(&self) -> f64 {
         *self.volume.get_or_init(|| self.measured_volume())
     }

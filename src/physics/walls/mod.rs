@@ -432,8 +432,8 @@ pub struct Wall {
     /// Roughness; `None`: the wall is smooth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roughness: Option<WallRoughness>,
-    /// Temperature of the wall, which gives each sphere that hits it a random new velocity. It requires a model with
-    /// instantaneous impacts. `None`: rebounds follow the restitution and friction of `surface`.
+    /// Temperature of the wall, which gives each sphere that hits it a random new velocity. A temperature requires a
+    /// model with instantaneous impacts. `None`: rebounds follow the restitution and friction of `surface`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thermal: Option<ThermalWall>,
 }

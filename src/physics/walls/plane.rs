@@ -4,8 +4,8 @@ use super::{Flight, Geometry, Nearest, Turning};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// [-] limit below which a component counts as rounding. It applies to unit vectors, and to velocities over their
-/// magnitude.
+/// [-] limit below which a component counts as rounding. The limit applies to components of unit vectors, and of
+/// velocities over their magnitude.
 const ROUNDING: f64 = 1e-9;
 
 /// A half-space: all points x with (x - point)·normal < 0 belong to the wall.

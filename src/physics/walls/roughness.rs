@@ -42,8 +42,8 @@ pub struct WallApproach {
 impl WallRoughness {
     /// [-] unit normal of the facet that an impact meets. `restitution` gives the restitution e >= 0 [-] for a normal
     /// speed [m/s]. The random choice depends only on the seed, the wall, the particle and its velocity. The result is
-    /// the normal of the smooth wall if the sphere does not approach. It is also this normal if none of `MOST` random
-    /// facets makes the sphere leave the wall, as at normal incidence with e = 0.
+    /// the normal of the smooth wall if the sphere does not approach. The normal of the smooth wall is also the result
+    /// if none of `MOST` random facets makes the sphere leave the wall, as at normal incidence with e = 0.
     pub fn facet(&self, impact: &WallApproach, restitution: impl Fn(f64) -> f64) -> Vector3<f64> {
         /// [-] tilt over Δγ that is taken as the largest expected one: the probability of larger tilts is exp(-50).
         const FAR: f64 = 10.0;
@@ -57,7 +57,8 @@ impl WallRoughness {
         let speed = velocity.norm();
         let toward = -velocity / speed;
         let (first, second) = perpendicular(&normal);
-        // upper limit of -û·n' of a facet: a tilt changes this cosine by at most the tilt [rad]
+        // upper limit of -û·n', with the direction û of the flight and the normal n' of a facet: a tilt changes this
+        // cosine by at most the tilt [rad]
         let most = (toward.dot(&normal) + FAR * self.deviation).min(1.0);
         let words = [velocity.x.to_bits(), velocity.y.to_bits(), velocity.z.to_bits(), u64::from(wall)];
         let mut noise = Noise::new(self.seed, NoiseUse::Facets, mixed(&words));

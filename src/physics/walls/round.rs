@@ -7,7 +7,7 @@ use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
 /// [-] smallest distance, over the radius of the sphere, that is returned if the sphere cannot touch a side of a wall.
-/// It exceeds 1, so that there is no contact.
+/// The number exceeds 1, so that there is no contact.
 const OUT_OF_SIGHT: f64 = 1.25;
 
 /// Axis of a round wall, parallel to x, y or z. Points are described in a half-plane bounded by this axis. Their

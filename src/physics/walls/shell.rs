@@ -10,8 +10,8 @@ use nalgebra::{Vector2, Vector3};
 /// Number of steps of conservative advancement. This method is tried first, because it is faster for flights that are
 /// not along the shell.
 const STEPS: usize = 100;
-/// [-] largest gap or overlap at a root that counts as a touch. It is divided by a length: the radius of the sphere
-/// plus the distance of its centre from the centre of the shell.
+/// [-] largest gap or overlap at a root that counts as a touch, divided by a length: the radius of the sphere plus the
+/// distance of its centre from the centre of the shell.
 const NEAR: f64 = 1e-9;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, for a thin shell. `None` without a touch until `until`
@@ -47,8 +47,8 @@ fn first_root(shell: &Frustum, flight: &Flight, radius: f64, until: f64) -> Opti
     })
 }
 
-/// Flight of a sphere's centre relative to a thin round shell. It is described by the distance from the axis of the
-/// shell and the coordinate along the axis, as polynomials in time.
+/// Flight of a sphere's centre relative to a thin round shell, described by the distance from the axis of the shell
+/// and the coordinate along the axis, as polynomials in time.
 struct FlightAcrossShell {
     from: Vector3<f64>,
     /// [m², m²/s, ...] coefficients of the squared distance from the axis as a polynomial in time.
@@ -106,9 +106,10 @@ impl FlightAcrossShell {
         self.rises(&way, rim + self.out[0].sqrt() + along[0].abs(), until)
     }
 
-    /// [s] all times up to `until` [s] at which a polynomial rises to zero. Its values are squared lengths of the
-    /// order of `size`² [m²]. The polynomial may be zero at time 0, up to positive rounding errors. Time 0 is then a
-    /// result if the polynomial rises there, and later times are found as if the polynomial fell from zero at time 0.
+    /// [s] all times up to `until` [s] at which a polynomial in time rises to zero. The values of the polynomial are
+    /// squared lengths of the order of `size`² [m²]. The polynomial may be zero at time 0, up to positive rounding
+    /// errors. Time 0 is then a result if the polynomial rises there, and later times are found as if the polynomial
+    /// fell from zero at time 0.
     fn rises(&self, way: &[f64], size: f64, until: f64) -> Vec<f64> {
         let mut way = way.to_vec();
         let resolution = 16.0 * f64::EPSILON * size * self.speed;

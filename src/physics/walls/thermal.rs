@@ -8,8 +8,8 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
 /// Diffuse reflection at a wall, for instantaneous impacts (Maxwell 1879, Phil. Trans. R. Soc. 170, 231, with the
-/// accommodation coefficient 1). The velocity after an impact does not depend on the velocity before it. Its
-/// components along the wall are Gaussian with the variance T_w. Its normal component u has the density u/T_w
+/// accommodation coefficient 1). The velocity after an impact does not depend on the velocity before. The new
+/// components along the wall are Gaussian with the variance T_w. The new normal component u has the density u/T_w
 /// exp(-u²/(2 T_w)), which is that of spheres that leave a gas of the temperature T_w through an opening.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ThermalWall {

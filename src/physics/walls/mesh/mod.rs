@@ -2,8 +2,8 @@
 //!
 //! A sphere can have a contact at each local minimum of the distance from its centre to the surface. The minimum lies
 //! inside a triangle, on an edge or at a corner. If several minima lie in nearly the same direction from the centre,
-//! only the nearest is a contact. This excludes seams between triangles and the far side of a thin plate. In a corner
-//! the directions differ, so each minimum is a contact.
+//! only the nearest is a contact. This rule excludes seams between triangles and the far side of a thin plate. In a
+//! corner the directions differ, so each minimum is a contact.
 
 mod clearance;
 mod nesting;
@@ -39,8 +39,8 @@ const APART: f64 = 0.939_692_620_785_908_4;
 const HALF_APART: f64 = 0.984_807_753_012_208;
 /// Largest number of contacts of one sphere with a mesh: three contacts hold a sphere at rest.
 const MOST: u32 = 3;
-/// [-] distance from the centre within which contacts are searched, over the radius of the sphere. It exceeds 1,
-/// because the times at which a contact begins or ends require exact values of small positive gaps.
+/// [-] distance from the centre within which contacts are searched, over the radius of the sphere. The number exceeds
+/// 1, because the times at which a contact begins or ends require exact values of small positive gaps.
 const REACH: f64 = 1.25;
 /// [-] ratio of two lengths that counts as rounding: smaller lengths are treated as zero.
 const ROUNDING: f64 = 1e-9;
@@ -54,8 +54,8 @@ pub struct Mesh {
     surface: TriangleSurface,
     tree: Tree,
     clearance: Clearance,
-    /// Number of triangles of the surface itself. In the list of triangles they precede the copies beyond periodic
-    /// sides.
+    /// Number of triangles of the surface itself, which come first in the list; the copies beyond periodic sides
+    /// follow.
     own: usize,
     /// True for each axis along which the surface continues without end through periodic sides.
     spans: [bool; 3],
@@ -84,11 +84,11 @@ impl TrianglePoint {
 }
 
 impl Mesh {
-    /// Makes a wall of triangles, given by their corners [m]; `name` is its name in results. With `None` for `sides`, a
-    /// closed surface is a solid body, and an open surface is a thin sheet with particles on both sides. Also returns
-    /// the defects of the triangles. Degenerate and duplicate triangles are removed, and wrongly facing triangles
-    /// flipped. Edges with one triangle or with more than two remain, and so do edges whose triangles cannot face the
-    /// same way.
+    /// Makes a wall of triangles, given by their corners [m]; `name` is the name of the wall in results. With `None`
+    /// for `sides`, a closed surface is a solid body, and an open surface is a thin sheet with particles on both
+    /// sides. Also returns the defects of the triangles. Degenerate and duplicate triangles are removed, and wrongly
+    /// facing triangles flipped. Edges with one triangle or with more than two remain, and so do edges whose triangles
+    /// cannot face the same way.
     ///
     /// # Errors
     /// If the triangles do not form a wall of this type.

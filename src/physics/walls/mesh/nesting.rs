@@ -15,7 +15,8 @@ const SAMPLES: usize = 8;
 /// a ray passes through an edge, the next direction is used.
 const WAYS: [[f64; 3]; 4] =
     [[0.731, 0.419, 0.538], [-0.283, 0.874, 0.395], [0.467, -0.612, 0.638], [-0.571, -0.327, 0.753]];
-/// [-] distance over the size of the surface. A point that is nearer to an edge or a triangle counts as lying on it.
+/// [-] distance over the size of the surface. A point that is nearer to an edge or a triangle counts as lying on that
+/// edge or triangle.
 const ON: f64 = 1e-9;
 
 /// Numbers of the closed parts (connected groups of triangles) of a surface that lie inside other parts, by type.
@@ -52,7 +53,7 @@ pub fn face_particles(
     let inward: Vec<bool> = parts.iter().map(|part| volume(points, triangles, part) < 0.0).collect();
     let around = parts_around(points, triangles, &parts, &mut findings.nested);
     let is_root = |part: usize| around[part].is_empty();
-    // an outermost part is the outer surface of a thick wall if a part directly inside it faces the other way
+    // an outermost part is the outer surface of a thick wall if a part directly inside this part faces the other way
     let mut is_skin = vec![false; parts.len()];
     for (number, around) in around.iter().enumerate() {
         if let (Sides::Inside, &[root]) = (sides, &around[..]) {
@@ -111,8 +112,8 @@ fn parts(count: usize, edges: &Edges) -> Vec<Vec<usize>> {
     parts
 }
 
-/// [m³] six times the volume of the closed part `part`, a list of triangle indices. It is positive if its triangles
-/// face outwards.
+/// [m³] six times the volume of the closed part `part`, a list of triangle indices; positive if these triangles face
+/// outwards.
 fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 {
     let from = points[triangles[part[0]].0[0] as usize];
     let each = part.iter().map(|k| {

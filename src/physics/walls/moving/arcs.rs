@@ -68,7 +68,7 @@ pub(super) fn first_touch(
         let (error, length) = if gap <= 2.0 * close {
             (0.0, arc(close))
         } else if deviation(most) <= WHOLE * gap {
-            // one search of the shape for all the time that remains, as for a shape at rest
+            // one search covers all the time that remains, as for a shape at rest
             (deviation(most), most)
         } else {
             let closing = -seen.velocity.dot(&nearest.normal);

@@ -1,9 +1,9 @@
 //! Walls whose shape moves: translation, vibration, a path, or rotation about an axis.
 //!
-//! The motion is an exact function of time. For a servo wall, which moves so that particles press on it with a given
-//! pressure, this holds only within a window (time between two exchanges with the gas). A
-//! [`Scene`](crate::scene::Scene) belongs to an instant, and so does the geometry of its walls ([`Wall::move_to`]). The
-//! functions of a wall also give its state at the time `ahead` [s] after that instant.
+//! The motion is an exact function of time. The motion of a servo wall, which moves so that particles press on it with
+//! a given pressure, is known only within a window (time between two exchanges with the gas). A
+//! [`Scene`](crate::scene::Scene) belongs to an instant, and so does the geometry of its walls ([`Wall::move_to`]).
+//! The functions of a wall also give its state at the time `ahead` [s] after that instant.
 
 mod arcs;
 mod motion;

@@ -49,8 +49,8 @@ impl PrescribedMotion {
         }
     }
 
-    /// [m/s] velocity, at `time` [s], of the material point of the shape that is then at `point` [m]. At a knot of a
-    /// path it is the velocity after the knot.
+    /// [m/s] velocity, at `time` [s], of the material point of the shape that is then at `point` [m]. At a knot (given
+    /// instant) of a path it is the velocity after the knot.
     pub fn velocity(&self, point: &Vector3<f64>, time: f64) -> Vector3<f64> {
         match self {
             Self::Translation { velocity } => *velocity,

@@ -51,14 +51,14 @@ impl VibratingGap {
     /// the plane and approaches it touches at time 0. A rate of change below `resolution` [m/s] counts as rounding. A
     /// sphere in contact with so small a rate touches at time 0 if sphere and plane accelerate towards each other.
     pub fn first_touch(&self, until: f64, resolution: f64) -> Option<f64> {
-        // as on a plane at rest, an overlap without approach is rounding
+        // an overlap without approach counts as rounding, as on a plane at rest
         let here = Self { gap: self.gap.max(0.0), ..*self };
         let mut from = here.out_of_reach_until()?;
         if self.gap <= 0.0 && self.rate(0.0) <= resolution {
             if self.rate(0.0) < -resolution || self.curvature(0.0) < 0.0 {
                 return Some(0.0);
             }
-            // the wall leaves the sphere, up to the next zero of the second derivative at least
+            // the wall moves away from the sphere, at least up to the next zero of the second derivative of the gap
             from = here.next_inflection(0.0);
         }
         while from < until {
@@ -134,8 +134,8 @@ impl VibratingGap {
     }
 }
 
-/// Root of a function between `low`, where the function is positive, and `high`, where it is zero or negative. The
-/// function returns its value and its derivative. Newton's method finds the root, safeguarded by bisection.
+/// Root of a function between `low`, where the function is positive, and `high`, where it is zero or negative.
+/// `function` returns its value and its derivative. Newton's method finds the root, safeguarded by bisection.
 fn bracketed_root(function: impl Fn(f64) -> (f64, f64), low: f64, high: f64) -> f64 {
     let (mut low, mut high) = (low, high);
     let mut t = 0.5 * (low + high);
@@ -203,7 +203,7 @@ mod tests {
             }
             if let Some(found) = found {
                 touched += 1;
-                // the gap is zero there up to rounding of the terms, which are below 300
+                // the gap at the touch is zero up to the rounding of its terms, which are below 300
                 assert!(flight.at(found).abs() < 1e-13, "{flight:?}: {}", flight.at(found));
             }
         }
