@@ -95,8 +95,8 @@ impl LiftedSphere {
         if re_turn <= CREEPING_SPIN {
             return (-creeping * duration).exp();
         }
-        // with the start value Ω_0, dΩ/dt = -a Ω^(3/2) - b Ω has the solution Ω^(-1/2) = (Ω_0^(-1/2) + a/b) exp(b
-        // t/2) - a/b
+        // with the start value Ω_0, the equation dΩ/dt = -a Ω^(3/2) - b Ω has the solution
+        // Ω^(-1/2) = (Ω_0^(-1/2) + a/b) exp(b t/2) - a/b
         let (a, b) = (TORQUE[0] * scale * per_rate.sqrt(), TORQUE[1] * scale * per_rate);
         let start = turn.powf(-0.5);
         let limit = (CREEPING_SPIN * per_rate).powf(-0.5);
@@ -128,8 +128,8 @@ impl Lift {
         if self.spin && speed > 0.0 && turn != Vector3::zeros() {
             rate -= turn * sphere.magnus(speed, turn.norm());
         }
-        // with the velocity v of the sphere and the factors k_S by shear and k_M by spin: ds/dt = -dv/dt = -k_S s ×
-        // ω - k_M Ω × s = (k_S ω - k_M Ω) × s
+        // with the velocity v of the sphere, and the factors k_S by shear and k_M by spin:
+        // ds/dt = -dv/dt = -k_S s × ω - k_M Ω × s = (k_S ω - k_M Ω) × s
         Rotation3::from_scaled_axis(rate * duration) * slip
     }
 
