@@ -29,7 +29,7 @@ pub struct Checkpointer {
     under_way: Option<(RunIdentity, StoredRun)>,
     /// [s] simulated time of the latest stored state of the run in progress; `None` if no state is stored.
     stored: Option<f64>,
-    /// True if other runs or a report must be done after the run in progress.
+    /// True if the command has more work after the run in progress: other runs or a report.
     more: bool,
     /// True if a run was stopped before its end, by the user or because its results cannot be written.
     stopped: bool,
@@ -39,28 +39,29 @@ pub struct Checkpointer {
     resumed: bool,
     /// Command that resumes this command if it stops, for messages.
     remedy: String,
-    /// Place to which the final state of a run and the data of its observers go.
+    /// Place to which the final state of a run and the data of its observers (measurements during the run) go.
     ends: Ends,
 }
 
-/// Place to which the end of a run (its final state and the data of its observers) goes.
+/// Place to which the end of a run goes. The end is the final state with the data of the observers (measurements
+/// during the run).
 #[derive(Clone, Default)]
 enum Ends {
-    /// A file: it is written if other work remains, or if an earlier state of the run was stored.
+    /// A file. It is written if the command has more work after the run, or if an earlier state of the run was stored.
     #[default]
     Stored,
-    /// Memory, as bytes, because another process needs the end of the run. The bytes are empty until the run has ended.
+    /// Memory: another process needs the end of the run, as these bytes. There are no bytes until the run has ended.
     Caught(Vec<u8>),
-    /// The end of the run came from another process, as these bytes.
+    /// Memory: another process has done the run, and has sent its end as these bytes.
     Received(Vec<u8>),
-    /// No place: instead of the end of the run, the result computed from it is stored.
+    /// No place: the end of the run is not stored. The result that is computed from the run is stored instead.
     Replaced,
 }
 
 impl Checkpointer {
-    /// Creates the checkpointer of a command that writes into `folder`. If the command begins, its arguments are stored
-    /// in place of the checkpoint of an earlier command. If it is resumed, or typed again for a folder with results,
-    /// the stored state is read.
+    /// Creates the checkpointer of a command that writes into `folder`. A command that begins stores its arguments,
+    /// and thereby replaces the checkpoint of an earlier command. A command that is resumed, or typed again for a
+    /// folder with results, reads the stored state.
     ///
     /// # Errors
     /// Returns an error if the case of a resumed command, or a file that the case uses, has changed. Other errors are
@@ -71,8 +72,8 @@ impl Checkpointer {
         case: &Case,
         runs: &[ResumableRun],
     ) -> Result<Self, StudyError> {
-        // replicas (runs with different seeds) of a variant have one name, so the identity of the first one is
-        // compared; if results are stored, the name alone identifies a run, and no identity is compared
+        // all replicas (runs with different seeds) of a variant have one name, so only the identity of the first
+        // replica is compared. If results are stored, a run is found by its name alone, and no identity is compared
         let mut first: Vec<RunIdentity> = Vec::new();
         for run in runs.iter().filter(|_| !settings.keeps_results).map(|run| &run.identity) {
             if first.iter().all(|known| known.name != run.name) {
@@ -107,7 +108,8 @@ impl Checkpointer {
     }
 
     /// Creates the checkpointer of a helper, a process that does runs for the lead process of the command. It stores
-    /// states in the folder of the lead process, and sends final states and data of observers to the lead process.
+    /// states in the folder of the lead process, and sends final states and the data of observers (measurements) to
+    /// the lead process.
     ///
     /// # Errors
     /// Returns an error if the system refuses to install the signal handlers.
@@ -200,9 +202,9 @@ impl Checkpointer {
         self.under_way = newest.found;
     }
 
-    /// Stored state from which a run continues: its end, or a state before its end. `None` if the run must begin at its
-    /// start. Prints that the run is over already, or from which simulated time it continues; also a warning for a file
-    /// that cannot be used.
+    /// Stored state from which a run continues: its end, or a state before its end. `None` if the run must begin at
+    /// its start. Prints a line that says that the run is over, or from which simulated time it continues. A warning
+    /// is printed for a file that cannot be used.
     pub fn earlier(&mut self, run: &RunIdentity) -> Option<StoredRun> {
         self.stored = None;
         if let Ends::Received(bytes) = &self.ends {
@@ -213,7 +215,7 @@ impl Checkpointer {
             Ok(Some(kept)) => {
                 self.say(format!("\"{}\" is over already", run.name));
                 if let Ends::Caught(bytes) = &mut self.ends {
-                    // this cannot fail, because the bytes were made from such data before
+                    // serialising cannot fail here, because the stored data were serialised before
                     *bytes = seal(&(run, &kept)).unwrap_or_default();
                 }
                 return Some(kept);
@@ -235,20 +237,21 @@ impl Checkpointer {
         }
     }
 
-    /// Records whether other runs or a report must be done after the next run (`more` is true), or if the command then
-    /// ends (false).
+    /// Records if the command has more work after the next run, such as other runs or a report. If `more` is false,
+    /// the command ends after this run.
     pub fn set_more(&mut self, more: bool) {
         self.more = more;
     }
 
     /// True if the run in progress must pause at the end of its present window (time between two exchanges with the
-    /// gas). The reason is that a checkpoint is due, or that the user stops the command.
+    /// gas). A run pauses if it is time for a checkpoint, or if the user stops the command.
     pub fn is_due(&self) -> bool {
         self.signals.say_stop() || self.every.is_some_and(|every| self.last.elapsed() >= every)
     }
 
-    /// Stores one part of the state of a run that several processes share; `number` is the index of the part. If `over`
-    /// is true, the state is the end of the run. The data common to all parts are stored later.
+    /// Stores one part of the state of a run that several processes share; `number` is the index of the part. If
+    /// `over` is true, the state is the end of the run. The data that all parts have in common are stored later, by
+    /// [`keep`](Self::keep) or [`finish`](Self::finish).
     ///
     /// # Errors
     /// Returns an error if the part cannot be written.
@@ -262,9 +265,9 @@ impl Checkpointer {
         self.store.as_ref().and_then(|store| store.part(run, over, number).ok()).unwrap_or_default()
     }
 
-    /// Stores the state of a run that has not ended; `parts` is the result of storing the parts of this state, one for
-    /// each process. Returns true if the command must stop. If storing fails, a warning is printed, the run continues,
-    /// and the state that was stored before remains.
+    /// Stores the state of a run that has not ended. If several processes share the run, the parts of its state have
+    /// been stored before; `parts` is an error if this failed. Returns true if the command must stop. If storing
+    /// fails, a warning is printed, the run continues, and the state that was stored before remains.
     pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun, parts: Result<(), OutputError>) -> bool {
         if let Some(store) = &mut self.store {
             match parts.and_then(|()| store.keep(run, kept)) {
@@ -285,8 +288,9 @@ impl Checkpointer {
         tell(format!("warning: no checkpoint at this time: {why}; {stored}"));
     }
 
-    /// True if the final state of a run and the data of its observers must be stored or sent to another process. They
-    /// are stored if work remains after the run, or if an earlier state of the run was stored.
+    /// True if the final state of a run and the data of its observers (measurements) must be stored or sent to another
+    /// process. They are stored if the command has more work after the run, or if an earlier state of the run was
+    /// stored.
     pub fn wants_the_end(&self) -> bool {
         match self.ends {
             Ends::Caught(_) => true,
@@ -295,9 +299,9 @@ impl Checkpointer {
         }
     }
 
-    /// Stores the final state of a run and the data of its observers; `parts` is the result of storing the parts of
-    /// this state. If storing fails, a warning is printed. If another process needs these data, they are put into
-    /// memory as bytes instead.
+    /// Stores the final state of a run and the data of its observers (measurements). If several processes share the
+    /// run, the parts of the final state have been stored before; `parts` is an error if this failed. After an error,
+    /// a warning is printed. If another process needs these data, they are put into memory as bytes instead.
     ///
     /// # Errors
     /// Returns an error if the data cannot be serialised for another process.
@@ -317,8 +321,8 @@ impl Checkpointer {
         Ok(())
     }
 
-    /// Final state of the run and data of its observers as bytes, to be sent to another process; empty if there are no
-    /// such bytes.
+    /// Final state of the run and data of its observers (measurements) as bytes, to be sent to another process. Empty
+    /// if there are no such bytes.
     pub fn into_end(self) -> Vec<u8> {
         match self.ends {
             Ends::Caught(bytes) | Ends::Received(bytes) => bytes,
@@ -326,7 +330,8 @@ impl Checkpointer {
         }
     }
 
-    /// Receives the final state of the run and the data of its observers from another process, and stores them.
+    /// Receives the final state of the run and the data of its observers (measurements) from another process, and
+    /// stores them.
     ///
     /// # Errors
     /// Returns an error if the bytes are damaged, do not belong to this run, or cannot be stored.
@@ -354,7 +359,7 @@ impl Checkpointer {
         self.store.as_ref().filter(|_| self.resumed)?.result(run)
     }
 
-    /// Stores the result of a run in place of its states.
+    /// Stores the result of a run, such as a row of a table, in place of the states of the run.
     ///
     /// # Errors
     /// Returns an error if the result cannot be written.
@@ -362,8 +367,8 @@ impl Checkpointer {
         self.store.as_ref().map_or(Ok(()), |store| store.for_run(run).finish(run, &result))
     }
 
-    /// Stops a command whose results cannot be written. When writing is possible again, the user can resume the command
-    /// from the stored state.
+    /// Records that the command stops because its results cannot be written. When writing is possible again, the user
+    /// can resume the command from the stored state.
     pub fn stop_unwritten(&mut self, why: &Failure) {
         self.stopped = true;
         self.unwritten = Some(why.to_string());
@@ -398,8 +403,8 @@ impl Checkpointer {
         })
     }
 
-    /// Returns the result of writing a report. If writing failed, the error names the command that writes the report
-    /// later.
+    /// Passes on the result of writing a report. To an error it adds the command by which the user can write the
+    /// report later.
     ///
     /// # Errors
     /// Returns the given error, with the command that the user can type later.

@@ -23,8 +23,8 @@ use crate::work_sharing::keep_workers_spinning;
 use std::sync::Arc;
 
 /// Runs a variant from the particles `start` to its end or to a failure; a failure is a part of the outcome. `others`
-/// are observers in addition to the standard ones. Returns the outcome and the final state of the particles in the
-/// order of ids.
+/// are observers (measurements during the run) in addition to the standard ones. Returns the outcome and the final
+/// state of the particles in the order of ids.
 pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Observer]) -> (Outcome, Particles) {
     // the whole loop runs on a thread of the pool, because a thread outside the pool would sleep and be woken at every
     // parallel loop
@@ -44,9 +44,10 @@ pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn
 
 /// Runs a variant like [`execute`], with a checkpointer that stores the state of the run at intervals and may stop the
 /// run. If a state is stored, the run continues from this state. A run that has ended is not repeated. Returns the
-/// outcome and the final state of the particles; this state is empty if `shared` does not request it.
+/// outcome and the final state of the particles; the state is empty if `shared` does not request the final state.
 ///
-/// With `shared`, all processes share the run. This process, the lead, first sends the index of the run to the others.
+/// If `shared` is given, all processes share the run. This process is the lead, and first sends the index of the run
+/// to the other processes.
 ///
 /// # Errors
 /// Returns an error if the run cannot begin, if its state cannot be stored, or if the stored state belongs to another
@@ -129,8 +130,8 @@ pub struct SharedRun<'a> {
 }
 
 /// Takes part in a run that all processes share, in a process other than the lead. `others` are the additional
-/// observers that work on parts of the particles. The lead process must list the same observers in the same order,
-/// before its other additional observers.
+/// observers (measurements during the run) that work on parts of the particles. The list of additional observers of
+/// the lead process must begin with the same ones, in the same order.
 pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Ranks) {
     let experiment = &run.experiment;
     let Ok(start) = run.start() else { return };
@@ -155,11 +156,11 @@ pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Rank
     });
 }
 
-/// Makes the simulation of a run from `start`, or from the stored state if there is one. `begun` is the position of a
-/// run at its start: its place in the schedule, and the next times of its observers. Also returns the position from
-/// which the run continues. The last result is `None` if the run goes on. For a stored run that had ended, it contains
-/// the failure of this run, or `Some(None)` without a failure. The first `common` of the `observers` exist in all
-/// processes.
+/// Makes the simulation of a run from `start`, or from the stored state if there is one. Also returns the position
+/// (place in the schedule) from which the run continues; `begun` is this position for a run at its start. The last
+/// result is `None` if the run goes on. For a stored run that had ended, the last result contains the failure of the
+/// run, or `Some(None)` without a failure. The first `common` of the `observers` (measurements during the run) exist
+/// in all processes.
 fn begin_or_resume(
     run: &ResumableRun,
     start: Start,
@@ -194,9 +195,9 @@ fn begin_or_resume(
     Ok((simulation, course, over))
 }
 
-/// Stores the state of a run at a checkpoint or at the end of the run. `over` is `None` at a checkpoint. At the end it
-/// contains the failure of the run, or `Some(None)` without a failure. Returns the failure that stops the run: the user
-/// asked for a stop, or a file could not be written. `None` if no such failure stops it.
+/// Stores the state of a run at a checkpoint or at the end of the run. `over` is `None` at a checkpoint. At the end of
+/// the run, `over` contains the failure of the run, or `Some(None)` without a failure. Returns a failure if the run
+/// must stop, because the user asked for it or because a file could not be written; otherwise `None`.
 fn store(
     simulation: &mut Simulation,
     course: &RunLoop,
@@ -224,7 +225,8 @@ fn store(
 }
 
 /// Stores the parts of the state of a run, one part for each process; `over` is true at the end of the run. If the
-/// state is not divided into parts, all particles are gathered in this process and nothing is stored.
+/// state is not divided into parts, all particles are gathered in this process, and this function stores nothing; the
+/// caller stores the whole state.
 fn store_parts(
     simulation: &mut Simulation,
     (run, checkpointer): (&RunIdentity, &Checkpointer),
@@ -266,7 +268,7 @@ impl Beginning {
         }
     }
 
-    /// Message with this value, which the lead process sends to the other processes.
+    /// This value as bytes. The lead process sends them to the other processes as a message.
     fn told(self) -> Vec<u8> {
         vec![self as u8]
     }

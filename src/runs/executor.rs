@@ -32,11 +32,11 @@ pub trait RunResult: Send + Sized {
     fn of(run: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError>;
 
     /// Result as bytes, which are sent to the lead process. `None` if the final state of the run and the data of its
-    /// observers are sent instead.
+    /// observers (measurements) are sent instead.
     fn to_bytes(&self) -> Option<Vec<u8>>;
 
     /// Result from the bytes that another process has sent. `None` if the bytes are the final state of the run and the
-    /// data of its observers.
+    /// data of its observers (measurements).
     fn from_bytes(bytes: &[u8]) -> Option<Self>;
 
     /// True if the run has been simulated to its end.
@@ -121,17 +121,18 @@ impl<'a> Executor<'a> {
         }
     }
 
-    /// Adds a run that depends on the results of earlier runs, and returns its index. It must be done
-    /// [alone](Self::alone), since the lists of the helper processes do not contain it.
+    /// Adds a run that depends on the results of earlier runs, and returns the index of the new run. The run must be
+    /// done [alone](Self::alone), since it is missing in the lists of the helper processes.
     pub fn add(&mut self, run: ResumableRun) -> usize {
         self.progress.add(&run.experiment);
         self.runs.push(run);
         self.runs.len() - 1
     }
 
-    /// Does or resumes the run at `index`, with the observers `others` in addition to the standard ones. If
-    /// a trajectory is requested and cannot be written, the run fails. Returns the outcome and the final state of the
-    /// particles in the order of ids. With several processes, the final state is returned only if `gives_end` is true.
+    /// Does or resumes the run at `index`, with the observers (measurements) `others` in addition to the standard
+    /// ones. If a trajectory is requested and cannot be written, the run fails. Returns the outcome and the final
+    /// state of the particles in the order of ids. With several processes, the final state is returned only if
+    /// `gives_end` is true.
     ///
     /// # Errors
     /// Returns an error if the run cannot begin, if its state cannot be stored, or if the stored state belongs to
@@ -270,8 +271,8 @@ impl<R: RunResult> RunList for ResumableRuns<'_, R> {
             self.progress.ended_elsewhere(index, result.is_complete());
             return Ok(result);
         }
-        // the outcome is computed from the received final data, like that of a run that had ended before the command
-        // was resumed
+        // the run is not simulated again: the outcome is computed from the received final data, as for a run that had
+        // ended before the command was resumed
         let run = &self.runs[index];
         let mut own = self.checkpointer.for_run(&run.identity);
         own.receive(&run.identity, bytes)?;

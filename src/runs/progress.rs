@@ -28,8 +28,8 @@ const REFRESH: Duration = Duration::from_millis(200);
 /// Number of positions of the progress bar from empty to full.
 const TICKS: u64 = 10_000;
 
-/// [-] share of the wall time of a run, counted back from the present, over which the present speed is measured. The
-/// speed may change: a settling bed, for example, becomes slower.
+/// [-] share of the wall time of a run over which the present speed is measured. It is the latest part of this time.
+/// The speed may change: a settling bed, for example, becomes slower.
 const RECENT: f64 = 1.0 / 3.0;
 
 /// [s] wall time of a run after which its remaining time is estimated. A run first makes lists and tables, so its
@@ -271,8 +271,6 @@ impl Board {
         }
     }
 
-    /// Records that the run with the index `run` has ended at the simulated time `time` [s]. If this is the full
-    /// duration of the run, a line is printed unless the display is silent.
     fn end_elsewhere(&mut self, run: usize, is_complete: bool) {
         let time = match &self.runs[run].stage {
             _ if is_complete => self.runs[run].duration,
@@ -282,6 +280,8 @@ impl Board {
         self.end(run, time);
     }
 
+    /// Records that the run with the index `run` has ended at the simulated time `time` [s]. If this is the full
+    /// duration of the run, a line is printed unless the display is silent.
     fn end(&mut self, run: usize, time: f64) {
         let wall = match &self.runs[run].stage {
             RunStage::Running(track) => track.began.elapsed().as_secs_f64(),
@@ -298,13 +298,13 @@ impl Board {
         }
     }
 
-    /// Simulated time [s] that each run has reached, and its speed [s/s]: simulated time divided by wall time, `None`
-    /// if it is not known.
+    /// Simulated time [s] that each run has reached, and speed of the run [s/s]: simulated time divided by wall time,
+    /// `None` if the speed is not known.
     fn rates(&mut self) -> Vec<(f64, Option<f64>)> {
         let one = |run: &mut RunProgress| match &mut run.stage {
             RunStage::Waiting => (0.0, None),
             RunStage::Running(track) => track.now(),
-            // this process has measured no wall time for a run that had ended before the command began
+            // a run that had ended before the command began has the wall time 0, and thus no speed
             RunStage::Over([time, wall]) => (*time, Some(*time / *wall).filter(|rate| rate.is_finite() && *rate > 0.0)),
         };
         self.runs.iter_mut().map(one).collect()
@@ -332,9 +332,9 @@ impl Board {
     }
 
     /// [s] remaining wall time of all runs: the sum over the runs, divided by the number of runs in progress. A run
-    /// that has not begun counts as fast as the mean of the runs with its model whose speeds are known or, without such
-    /// runs, as the mean of all known speeds. `None` if the speed of a run in progress is not known, or if no speed is
-    /// known at all while a run waits.
+    /// that has not begun is assumed to be as fast as, on average, the runs with its model whose speeds are known.
+    /// Without such runs, all known speeds are averaged. `None` if the speed of a run in progress is not known, or if
+    /// no speed is known at all while a run waits.
     fn left(&self, rates: &[(f64, Option<f64>)]) -> Option<f64> {
         let mean = |model: Option<Model>| {
             let known = self.runs.iter().zip(rates).filter(|(run, _)| model.is_none_or(|model| run.model == model));

@@ -19,10 +19,11 @@ pub struct ResumableRun {
     /// True if no other run is done at the same time, so that the wall time of this run is meaningful. If this is true
     /// for all runs of a command, all processes share each run.
     pub is_lone: bool,
-    /// Name of the files of the trajectory and settings of the trajectory; `None` if no trajectory is written. Only a
-    /// run that is done alone has a trajectory.
+    /// Trajectory of the run: name of its files, and settings. `None` if no trajectory is written. Only a run that is
+    /// done alone has a trajectory.
     pub trajectory: Option<(String, Trajectories)>,
-    /// Initial state; `None` if it is made only when the run begins, or if the run has taken it.
+    /// Initial state. `None` if the state is made only when the run begins, or if the run has begun and has taken the
+    /// state.
     start: Mutex<Option<Start>>,
 }
 

@@ -76,7 +76,8 @@ pub fn distribute<R: RunList>(
         let (mut left, mut here, mut stopped) = (indices, 0, false);
         loop {
             while let Some((next, rest)) = left.split_first().filter(|_| !stopped && here < pools.len()) {
-                // the worker threads receive indices until this end of the channel is dropped
+                // sending cannot fail, because the worker threads receive indices until this end of the channel is
+                // dropped
                 let _ = orders.send(*next);
                 (left, here) = (rest, here + 1);
             }
@@ -174,7 +175,7 @@ fn crew<'scope, 'env, A: Send + 'scope>(
             loop {
                 let index = indices.lock().unwrap_or_else(PoisonError::into_inner).recv();
                 let Ok(index) = index else { break };
-                // without a receiver, the results of further runs would be lost
+                // sending fails if the receiver is gone; the results of further runs would then be lost
                 if answered.send((index, pool.install(|| run(index)))).is_err() {
                     break;
                 }

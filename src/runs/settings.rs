@@ -74,7 +74,8 @@ impl CommandSettings {
         }
     }
 
-    /// Command line with which the command began; for a resumed command, that of the stopped command.
+    /// Command line with which the command began. A resumed command has the command line of the command that was
+    /// stopped.
     pub fn arguments(&self) -> Vec<OsString> {
         match &self.origin {
             CommandOrigin::Typed | CommandOrigin::TypedAgain => std::env::args_os().collect(),

@@ -63,7 +63,8 @@ impl<'a> StandardObservers<'a> {
         }
     }
 
-    /// All standard observers and the measurements that the case requests, followed by the observers `others`.
+    /// List of all standard observers, then the measurements that the case requests, then the observers `others`. An
+    /// observer is a measurement during a run.
     pub fn with<'b>(&'b mut self, others: &'b mut [&mut dyn Observer]) -> Vec<&'b mut dyn Observer> {
         let Self { profiles, motion, pairs, walls, energy, momentum, .. } = self;
         let Self { stresses, gas, flows, series, paths, kinds, rings, mixing, measurements, .. } = self;
@@ -79,8 +80,8 @@ impl<'a> StandardObservers<'a> {
     pub fn outcome(self, simulation: &Simulation, failure: Option<Failure>, final_state_hash: u64) -> Outcome {
         let steadiness =
             self.motion.steadiness(self.experiment.run.average_from, self.kinds.series(&self.experiment.scene));
-        // interval k between two samples ends at sample k + 1; averages begin with the first interval that lies
-        // entirely within the averaging period
+        // the interval with index k lies between sample k and sample k + 1 (instants of measurement). Averages begin
+        // with the first interval that lies entirely within the averaging period
         let first = self.motion.first(steadiness.from);
         Outcome {
             experiment: self.experiment.clone(),
@@ -143,8 +144,9 @@ fn timing(simulation: &Simulation) -> Timing {
     }
 }
 
-/// [s] time step of the run: mean step if the run has uniform steps (soft, stepped hard, DSMC), else step of soft
-/// contacts. `None` without time steps. `window` [s] is the largest step of soft contacts.
+/// [s] time step of the run. It is the mean step if all particles move in common steps (soft spheres with uniform
+/// steps, hard spheres in steps, DSMC), else the step of soft contacts. `None` without time steps. `window` [s] is the
+/// largest step of soft contacts.
 fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> Option<f64> {
     let steps = simulation.counters().steps;
     match (experiment.model(), experiment.soft.stepping) {

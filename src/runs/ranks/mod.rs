@@ -145,8 +145,9 @@ impl Ranks {
         if self.is_lead() { work() } else { Ok(T::default()) }
     }
 
-    /// Compares the work of this process with the work of all other processes before the work begins. The function
-    /// `mark` computes the checksum of the work. Every process must call this function or [`close`](Self::close).
+    /// Compares the work of this process with the work of all other processes before the work begins. `found` is this
+    /// work, or the reason why the process cannot begin. The function `mark` computes the checksum of the work. Every
+    /// process must call this function or [`close`](Self::close).
     ///
     /// # Errors
     /// Returns the error of the first process that has one, in all processes. It also returns an error if the work of a
@@ -260,7 +261,7 @@ impl Ranks {
     }
 
     fn send(&self, to: usize, message: &Message) {
-        // messages of these types can always be serialised
+        // a `Message` can always be serialised, so no error is possible
         if let Ok(bytes) = packed(message) {
             self.link.send(to, &bytes);
         }

@@ -8,7 +8,8 @@ use mpi::environment::Universe;
 use mpi::point_to_point::{Destination, Source};
 use mpi::topology::{Communicator, SimpleCommunicator};
 
-/// [bytes] largest piece in which a message is sent. MPI counts bytes in 32 bits.
+/// [bytes] largest piece in which a message is sent. MPI stores the number of bytes of a piece in a signed number of
+/// 32 bits.
 const PIECE: usize = 1 << 30;
 
 /// Tag of the messages within a run that several processes share. It distinguishes them from the messages between the

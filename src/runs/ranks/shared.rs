@@ -44,7 +44,8 @@ impl std::fmt::Display for Traffic {
     }
 }
 
-/// Connection of the thread of the run to the thread that may call MPI. It turns each communication into a request.
+/// Connection of the thread of the run to the thread that may call MPI. Each communication becomes a request to the
+/// thread of MPI.
 struct LineEnd {
     rank: usize,
     size: usize,

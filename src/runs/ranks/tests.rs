@@ -103,7 +103,7 @@ fn processes(count: usize, work: impl Fn(&Ranks) -> Result<u8, StudyError> + Syn
 struct Squares {
     /// Number of results that came from other processes.
     by_others: AtomicUsize,
-    /// `Some`: each run for another process fails. `None`: these runs succeed.
+    /// If this is `Some`, each run that is done for another process fails; with `None`, these runs succeed.
     unknown: Option<usize>,
     /// Index of the run that is stopped before its end; `None` if all runs end.
     stopped_at: Option<usize>,
