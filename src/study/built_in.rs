@@ -42,8 +42,8 @@ fn question(heading: &str) -> Option<String> {
 /// paths of the written files.
 ///
 /// # Errors
-/// Returns an error if no built-in case has the name, if the new file exists already, or if a file cannot be written. A
-/// file that the case names may exist already if it has equal contents.
+/// Returns an error if no built-in case has the name, if the new file exists already, or if a file cannot be written.
+/// A file that the case names is left as it is if it exists already with equal contents.
 pub fn init(args: &Init) -> Result<(), StudyError> {
     let bad = |message: String| StudyError::Input(format!("error: {message}"));
     let Some(case) = built_in::case(&args.name) else {

@@ -47,15 +47,16 @@ const IMPACTS: u64 = 1000;
 /// [s] wall time after which the timing of one collision model ends.
 const PATIENCE: f64 = 0.4;
 
-/// Number of steps times number of particles in the timed part of a window (time between two exchanges with the gas),
-/// if time steps move all particles. The timing of such a part takes some tenths of a second.
+/// Largest number of steps times number of particles in the timed part of a window (time between two exchanges with
+/// the gas). It applies if every time step moves all particles. The timing of such a part takes some tenths of a
+/// second.
 const STEPS: f64 = 2e7;
 
 /// Agitation (random velocities) and impact speeds of the particles of a case. They are measured in a short run of the
 /// case with shorter periodic sides of its box.
 pub struct Physics {
-    /// Length of the short run that measures the agitation, with the collision rates and errors that the plan computes
-    /// from this run.
+    /// Results of the short run: its length, its collision rates and their errors. The plan (prediction of `diptych
+    /// plan`) is made from them.
     pub calibration: Calibration,
     /// [m²/s²] granular temperature of all particles.
     pub variance: f64,
@@ -64,8 +65,8 @@ pub struct Physics {
     /// Velocity variances at different heights between the walls and in different directions, divided by their mean.
     pub spread: AgitationSpread,
     /// [m/s] distribution of the normal speeds of collisions between particles. `None` after too few collisions, or if
-    /// gas, heating or lossless impacts keep the temperature constant. With a constant temperature, the speeds follow
-    /// from its mean.
+    /// gas, heating or lossless impacts keep the temperature constant. With a constant temperature, kinetic theory
+    /// gives the speeds.
     pub pair_speeds: Option<Histogram>,
     /// [m/s] distribution of the normal speeds of wall impacts; `None` after too few impacts.
     pub wall_speeds: Option<Histogram>,
@@ -103,8 +104,8 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     let drawn = variance_of(&start);
     let (outcome, end) = execute(&small, start, &mut []);
     let found = granular_temperature(&outcome).filter(|found| found.is_finite() && *found > 0.0).unwrap_or(drawn);
-    // if nothing drives the particles (no gas, shear, heating or moving wall): temperature of the start times the share
-    // of it that collisions leave in the short run
+    // if nothing drives the particles (no gas, shear, heating or moving wall), collisions leave a share of the
+    // temperature in the short run; this share of the temperature of the start is expected
     let variance =
         if is_driven(experiment) { found } else { found / drawn * variance_of(&initial_state(experiment).ok()?) };
     let count = outcome.particles.max(1) as f64;
@@ -126,7 +127,8 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
     };
     let relative = end.relative_to_flow(&small.scene.domain);
     let temperatures = by_species(&relative, variance, experiment.scene.species.len());
-    // with a surrounding gas and walls, slices across y are compared; otherwise all positions count as equivalent
+    // with a surrounding gas and walls, the velocity variances are measured in slices across y; otherwise they are
+    // assumed to be equal everywhere
     let walled = experiment.scene.fluid.is_some() && !experiment.scene.walls.is_empty();
     let spread = if walled { AgitationSpread::of(&slices(&outcome)) } else { AgitationSpread::even() };
     let enough = |speeds: &Histogram| (speeds.total >= IMPACTS).then(|| speeds.clone());
@@ -137,8 +139,8 @@ pub fn physics(experiment: &Experiment) -> Option<Physics> {
 }
 
 /// Slices of the box between two flat walls: each with its share of the particles, its share of the height, and the
-/// variances of the three velocity components. Only heights that particle centres can have count; they are at least
-/// half the largest diameter away from both walls.
+/// variances of the three velocity components. The share of the height counts only heights that the centres of
+/// particles can have: those at least half the largest diameter away from both walls.
 fn slices(outcome: &Outcome) -> Vec<Slice> {
     let scene = &outcome.experiment.scene;
     let height = scene.domain.size.y;
@@ -164,15 +166,16 @@ pub fn variance_of(particles: &Particles) -> f64 {
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// True if a gas, a shear of the box, a thermostat, thermal walls or moving walls drive the particles.
+/// True if a gas, a shear of the box, a thermostat, thermal walls or walls whose shape moves drive the particles. A
+/// wall whose surface slides or turns in place does not count.
 fn is_driven(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let moves = scene.walls.iter().any(|wall| wall.moving.is_some());
     scene.fluid.is_some() || scene.domain.shear.is_some() || scene.is_heated() || moves
 }
 
-/// True if no gas, gravity, shear, heating or moving wall acts on the particles, and all impacts are elastic and
-/// frictionless. The kinetic energy then stays constant from the start.
+/// True if no gas, gravity, shear, heating or wall whose shape moves acts on the particles, and all impacts are
+/// elastic and frictionless. The kinetic energy then stays constant from the start.
 fn conserves(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(2);
@@ -189,8 +192,8 @@ fn smaller(experiment: &Experiment) -> Experiment {
     let domain = &mut small.scene.domain;
     let axes = domain.periodic.iter().filter(|periodic| **periodic).count();
     let diameter = experiment.scene.largest_diameter();
-    // with a body or an opening inside the domain the box is not shortened, since the body or opening would then be at
-    // another position
+    // a box that contains a body or an opening is not shortened, since the body or opening would then be at another
+    // position in the box
     let flat = experiment.scene.walls.iter().all(|wall| wall.geometry.is_flat());
     let open = experiment.scene.has_openings();
     if axes > 0 && flat && !open && count as f64 > PARTICLES {
@@ -243,8 +246,8 @@ fn by_species(end: &Particles, variance: f64, species: usize) -> Vec<f64> {
     sums.iter().map(|sums| variance * share(sums)).collect()
 }
 
-/// [-] standard error of the granular temperature in a slice of the box across y, divided by the temperature; median
-/// over all slices. `None` if no slice has a standard error.
+/// [-] standard error of the granular temperature in a slice of the box across y, divided by the temperature. The
+/// result is the median over all slices. `None` if no slice has a standard error.
 fn temperature_error(outcome: &Outcome) -> Option<f64> {
     let relative = |row: &SliceRow| {
         let parts: Vec<Estimate> = [UU, VV, WW].into_iter().map(|column| row.of(column)).collect::<Option<_>>()?;
@@ -332,7 +335,7 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let windows = schedule.windows_per_sample as f64 * schedule.samples as f64;
     let mut simulation = Simulation::new(experiment, start.clone());
     let parts = match (experiment.model(), experiment.soft.stepping) {
-        // uniform steps cost equally much throughout a window, so a part of the window is enough
+        // with uniform steps all parts of a window cost equally much, so it is enough to time a part of the window
         (Model::Soft, SoftStepping::Uniform) => {
             let steps = (schedule.window / soft_step(experiment, start.len())).max(1.0);
             (steps * start.len() as f64 / STEPS).ceil().clamp(1.0, steps)
@@ -373,9 +376,10 @@ pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     }
 }
 
-/// [s] length of a part of a window (time between two exchanges with the gas) that takes little wall time to compute. A
-/// long window may contain any number of impacts. The first trial simulates ten times the time in which the fastest
-/// particle moves by the largest diameter. Each further trial is twice as long. The result is at most `window` [s].
+/// [s] length of a part of a window (time between two exchanges with the gas) that takes little wall time to compute.
+/// Such a part is timed, because a long window may contain any number of impacts. The length is found by trials. The
+/// first trial simulates ten times the time in which the fastest particle moves by the largest diameter. Each further
+/// trial is twice as long, until a trial fails or takes too much wall time. The result is at most `window` [s].
 fn short_enough(experiment: &Experiment, start: &Particles, window: f64) -> f64 {
     let diameter = 2.0 * start.radius.iter().copied().fold(0.0, f64::max);
     let speed = start.largest_speed(Vector3::zeros()) + (experiment.scene.gravity.norm() * diameter).sqrt();
@@ -401,8 +405,8 @@ const REPORT: f64 = 0.5e6;
 /// [byte] memory of the data of one particle: position, velocity, radius, mass, species, id.
 const BYTES: f64 = 8.0 * 8.0 + 2.0 + 4.0;
 
-/// [s] wall time of one sample of the statistics: the velocities of all particles are added to the averages over slices
-/// of the box across y.
+/// [s] wall time of one sample (instant of measurement) of the statistics. At a sample, the velocities of all
+/// particles are added to the averages over slices of the box across y.
 fn sampling(experiment: &Experiment, particles: &Particles) -> f64 {
     let mut accumulator = Accumulator::new(experiment.statistics.slices, experiment.scene.domain.size.y);
     let clock = Instant::now();

@@ -20,12 +20,12 @@ use std::fmt::Write;
 /// particles would take seconds; the command `plan` places them.
 const MOST: usize = 1_000_000;
 
-/// Limit on the effort for placing the particles, about 5 s of wall time. The effort is the number of tried positions,
-/// plus the number of particles for each round over all particles.
+/// Largest effort for placing the particles, about 5 s of wall time. The effort is the number of tried positions. Each
+/// round over all particles adds the number of particles to it.
 const EFFORT: u64 = 5_000_000;
 
-/// Smallest limit on the number of rounds over all particles while they are placed. Ten rounds are enough in scenes
-/// where random insertion is quick.
+/// Number of rounds over all particles that are always allowed while particles are placed, however many particles
+/// there are. Ten rounds are enough in scenes where random insertion is quick.
 const ROUNDS: u64 = 20;
 
 /// Largest number of kinds of contact in the printed list. A kind is, for example, the contact of two species. The list
@@ -95,8 +95,8 @@ struct CheckedVariant {
     /// Name, value and unit of the elastic parameter of the contact law; `None` for models without lasting contacts,
     /// such as hard spheres.
     contact_law: Option<String>,
-    /// [s] time step of soft contacts; `None` if there is no contact law, or if the step is set per contact and nothing
-    /// can touch.
+    /// [s] time step of soft contacts. `None` if there is no contact law. `None` also if the case gives the number of
+    /// steps per contact, but nothing can touch.
     time_step: Option<f64>,
     /// [-] number of time steps of soft spheres in the whole run; `None` if there is no time step.
     steps: Option<f64>,
@@ -130,7 +130,8 @@ impl CheckReport {
             Err(why) if run.is_ok() && !case.names_variants() => (Vec::new(), Some(why)),
             Err(why) => return Err(run.err().filter(|_| !case.names_variants()).unwrap_or(why)),
         };
-        // if `compare` can start the case but `run` cannot, the case gives no model, so there is no variant for `run`
+        // `compare` may run a case that `run` cannot: a case without a model of its own; there is then no variant for
+        // `run`
         let run = run.ok();
         let first = run.as_ref().or(variants.first()).map(|(experiment, _)| describe(experiment));
         let mut warnings: Vec<Diagnostic> = Vec::new();
@@ -186,8 +187,8 @@ impl CheckReport {
     }
 }
 
-/// Keys that the case varies in a sweep. Every value of a key is checked with the other keys at their first values. A
-/// value that cannot run is an error.
+/// Keys to which the case gives several values for a sweep. Every value of a key is checked together with the first
+/// values of the other keys. A value with which the case cannot run is an error.
 fn varied(case: &Case) -> Result<Vec<Varied>, Diagnostic> {
     let axes = case.own_axes()?;
     for (k, axis) in axes.iter().enumerate() {
@@ -258,7 +259,7 @@ impl CheckedVariant {
     }
 }
 
-/// Kinds of contact, such as contacts between two species, with the durations [s] of their contacts at the fastest
+/// Kinds of contact, such as contacts between two species, each with the duration [s] of a contact at the fastest
 /// impacts. Empty if there is at most one kind between particles and at most one at walls.
 fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     let kinds = at_fastest_impacts(experiment);
@@ -275,10 +276,11 @@ fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
     times
 }
 
-/// Reasons that would prevent a run, found without running it. If the memory is too small, the list contains only this
-/// reason. With more than [`MOST`] particles nothing else is checked. If no random start is found with limited effort,
-/// the list contains only a warning about this. For event-driven hard spheres the list contains the obstacles that the
-/// command `plan` finds. For all other models it is empty; limits of soft spheres are checked when a case is read.
+/// Reasons that would prevent a run, found without running the case. If the memory is too small, the list contains
+/// only this reason. With more than [`MOST`] particles nothing else is checked. If no random start is found with
+/// limited effort, the list contains only a warning about the start. For event-driven hard spheres the list contains
+/// the obstacles that the command `plan` finds. For all other models it is empty; limits of soft spheres are checked
+/// when a case is read.
 ///
 /// # Errors
 /// Returns an error if the scene is so crowded that the command `run` refuses it.

@@ -60,8 +60,8 @@ pub fn compare(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -> Result<O
     Ok(overall(&judged.comparisons))
 }
 
-/// Numbers of replicas (runs with different seeds) after which a comparison is tested. Each of these tests is called a
-/// "look" at the results so far; all tests but the last are interim tests.
+/// Numbers of replicas (runs with different seeds) after which a comparison is tested. Each test is called a "look" at
+/// the results so far. All tests but the last are interim tests, after which more replicas may follow.
 #[derive(Clone, Copy, Debug)]
 struct Looks {
     /// Number of further replicas (runs with different seeds) of each variant from one test to the next.
@@ -91,7 +91,7 @@ impl Looks {
     }
 
     /// Indices of the replicas (runs with different seeds) of each variant that are added for the test with number
-    /// `look`, counted from 1. Index 0, the first run of the variant, is left out, because it is done earlier.
+    /// `look`, counted from 1. Index 0 is left out: it is the first run of the variant, which is done earlier.
     fn range(self, look: usize) -> Range<usize> {
         self.replicas(look - 1).max(1)..self.replicas(look)
     }
@@ -102,7 +102,7 @@ impl Looks {
 struct VariantComparison<'a> {
     variants: &'a Variants,
     looks: Looks,
-    /// [-] margin of equivalence: relative difference up to which two results count as equal in the answers.
+    /// [-] margin of equivalence: largest relative difference of two results that count as equal in the answers.
     margin: f64,
     results: VariantResults<'a>,
 }
@@ -118,14 +118,15 @@ impl VariantComparison<'_> {
         Err(self.results.stopped(variant))
     }
 
-    /// Writes the results so far, judged with the error levels of the test with number `look`. This is done after every
-    /// variant and every test, so that results remain if the command is stopped.
+    /// Writes the results so far, judged with the error levels (probabilities of wrong answers) of the test with
+    /// number `look`. This is done after every variant and every test, so that results remain if the command is
+    /// stopped.
     fn write_part(&self, look: usize) -> Result<(), StudyError> {
         self.results.write(&self.judged(look), false).map(drop)
     }
 
-    /// Judges the results so far with the error levels of the test with number `look`. The findings contain the answers
-    /// of the comparisons first, then further sentences.
+    /// Judges the results so far with the error levels (probabilities of wrong answers) of the test with number
+    /// `look`. The findings contain the answers of the comparisons first, then further sentences.
     fn judged(&self, look: usize) -> VariantFindings {
         let pooled = self.results.runs.iter().map(|runs| pool(runs[0].clone(), runs[1..].to_vec()));
         let (outcomes, others): (Vec<Outcome>, Vec<Vec<Outcome>>) = pooled.unzip();

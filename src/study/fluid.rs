@@ -47,10 +47,10 @@ pub struct ChannelSummary {
     pub first_node: f64,
     /// Number of iterations of the equations of k and ε until they converged.
     pub iterations: usize,
-    /// [-] largest relative change of a variable of the turbulence model in the last iteration.
+    /// [-] largest relative change of the variables of the turbulence model in the last iteration.
     pub residual: f64,
-    /// [-] imbalance of the k equation, integrated over the half channel: (production - dissipation - wall
-    /// flux)/production.
+    /// [-] imbalance of the equation of the turbulent kinetic energy k, integrated over half the channel. It is
+    /// (production - dissipation - wall flux)/production.
     pub k_imbalance: f64,
 }
 
@@ -229,15 +229,16 @@ fn gases(case: &Case) -> Vec<(String, Profile)> {
     if gases.len() < 2 { Vec::new() } else { gases }
 }
 
-/// [m] length in the Reynolds number of the gas: distance between its walls, or diameter of its pipe. `height` [m] is
-/// the height of the box.
+/// [m] length by which the Reynolds number of the gas is defined: the distance between its walls, or the diameter of
+/// its pipe. `height` [m] is the height of the box.
 fn width(profile: &Profile, height: f64) -> f64 {
     let [low, high] = profile.between(height);
     high - low
 }
 
 /// [m/s] mean velocity of the gas over the height `height` [m], or over the cross-section of a pipe. The profiles of a
-/// channel flow, a logarithmic law and a pipe store this mean; else [`ROWS`] equally spaced points are averaged.
+/// channel flow, a logarithmic law and a pipe store this mean. For other profiles, [`ROWS`] equally spaced points are
+/// averaged.
 fn bulk_velocity(profile: &Profile, height: f64) -> f64 {
     profile.bulk_velocity().unwrap_or_else(|| mean(profile, height))
 }

@@ -22,8 +22,8 @@ use std::path::Path;
 /// Name of the built-in case that runs if the command names no case.
 const DEFAULT_CASE: &str = "impact";
 
-/// Largest number of points of a path (gap and normal velocity over time). Some hundred megabytes are needed to store,
-/// write and draw so many points of 24 bytes.
+/// Largest number of points of a path (gap and normal velocity over time). A point takes 24 bytes, so some hundred
+/// megabytes are needed to store, write and draw the path.
 const MOST_POINTS: f64 = 1e7;
 
 /// Number of intervals between the stored points of a path. The path of soft spheres has a point after each time step
@@ -103,8 +103,8 @@ fn notes(surface: &Surface) -> Vec<String> {
     notes
 }
 
-/// Sentences on the oblique impacts of each further variant: the largest difference of its tangential impulse from that
-/// of the first variant.
+/// Sentences on the oblique impacts, one for each variant after the first. A sentence gives the largest difference of
+/// the tangential impulses of this variant and the first one.
 fn differences(study: &ObliqueStudy) -> Vec<String> {
     let first = &study.curves[0].name;
     let sentence = |k: usize| {
@@ -231,8 +231,8 @@ pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, 
     PathPoint { time, gap, normal_velocity }
 }
 
-/// Simulates the impact with one variant. Gap and normal velocity are stored after every window, which is one time step
-/// for soft spheres, else a 400th of the run.
+/// Simulates the impact with one variant. Gap and normal velocity are stored after every window (piece of the run). A
+/// window is one time step for soft spheres, else a 400th of the run.
 fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -> Bounce {
     let scene = &experiment.scene;
     let duration = experiment.run.duration;

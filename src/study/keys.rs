@@ -102,7 +102,7 @@ fn page(tables: &[&KeyTable]) -> String {
 /// Row for one key in a Markdown table of keys.
 fn row(key: &Key) -> String {
     let code = |text: &Option<String>| text.as_ref().map_or(String::new(), |text| format!("`{text}`"));
-    // a default in words is set as text; a default that a user could type is set as code
+    // a default in words is written as text; a default that a user could type is written as code, in backquotes
     let default = match (&key.required, &key.default) {
         (Some(when), _) => format!("required {when}").replace(" always", ""),
         (None, Some(default)) if !default.starts_with(['"', '[']) && default.contains([' ', '`']) => default.clone(),

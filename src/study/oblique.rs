@@ -14,8 +14,9 @@ use nalgebra::Vector3;
 /// Number of impacts, each with another slip, from which a curve is made.
 const POINTS: usize = 28;
 
-/// [-] largest reduced slip s/(μ u_n) before an impact (slip s, coefficient of friction μ, normal speed u_n). It is
-/// divided by the reduced slip at which sticking ends under Walton's rule with tangential restitution β_0 = 0.
+/// [-] largest reduced slip s/(μ u_n) before an impact (slip s, coefficient of friction μ, normal speed u_n). This
+/// number is in units of the reduced slip at which sticking ends under Walton's rule with tangential restitution β_0 =
+/// 0.
 const REACH: f64 = 2.0;
 
 /// Number of windows (pieces of the run) in the time from the start to the expected end of the contact. `LONGEST` is
@@ -24,8 +25,8 @@ const WINDOWS: f64 = 10.0;
 const LONGEST: u64 = 60;
 
 /// [-] Mindlin's ratio k_t/k_n = 4 G*/E* of the tangential and normal stiffness of the two bodies (G*, E*: their
-/// effective shear and Young's modulus). It is computed with the contact law of the first variant whose law has elastic
-/// constants; `None` without such a law.
+/// effective shear and Young's modulus). It is computed with the contact law of the first variant (experiment of the
+/// case) whose law has elastic constants; `None` without such a law.
 fn compliance_ratio(variants: &[(&Experiment, &Particles)], meeting: &ImpactPair) -> Option<f64> {
     let ratio = |(experiment, _): &(&Experiment, &Particles)| {
         // `shear_ratio` is 8 G*/(4/3 E*), from k_t = 8 G* a and the factor 4/3 E* of Hertz's force. The normal
@@ -83,7 +84,8 @@ pub(super) fn oblique(
     let curves: Vec<ObliqueCurve> = variants.iter().map(curve).collect();
     let measured = MEASURED.iter().map(|(angle, ratio)| {
         let reduced = angle.to_radians().tan() / MEASURED_FRICTION;
-        // the change of the slip of the surface is 1/(M_t/M) times the change of the velocity of the centre
+        // an impact changes the slip of the surface by 1/(M_t/M) times the change of the velocity of the centre, with
+        // the effective masses M_t of the slip and M of the normal motion
         (reduced, reduced * (1.0 - (1.0 - ratio) / SOLID))
     });
     let solid = (mass_ratio - SOLID).abs() < 1e-6;

@@ -27,7 +27,7 @@ use crate::runs::{StudyError, answer, answer_json, read, start, use_threads, war
 use crate::schedule::Schedule;
 use crate::simulation::soft_step;
 
-/// [-] relative error of averages that a plan aims at if the option `--target-error` is not given.
+/// [-] desired relative error of averages for which a plan is made, if the option `--target-error` is not given.
 pub const USUAL_TARGET: f64 = 0.01;
 
 /// Plan of a case, the settings that it recommends, and the case with these settings.
@@ -54,7 +54,7 @@ pub fn plan(args: &Arguments) -> Result<(), StudyError> {
     if args.json { answer_json(&document) } else { answer(&document) }
 }
 
-/// Experiment of the case with its own model. If this model cannot run the case, the model is soft spheres or else hard
+/// Experiment of the case with its own model. If this model cannot run the case, soft spheres are tried, then hard
 /// spheres. Any model that can run is enough for a plan, since the plan itself recommends a model. A `seed` replaces
 /// that of the case.
 pub fn any_model(case: &Case, seed: Option<u64>) -> Result<Checked, Diagnostic> {
@@ -123,8 +123,8 @@ pub fn plan_of(experiment: &Experiment, target: f64, timed: bool) -> Result<Plan
 }
 
 /// Predictions that do not depend on the contact law, such as collision rates, mean free path and the time in which
-/// particles come to rest. Fields that depend on the contact law are empty. `measured` contains the measurements of a
-/// short run; `None` without such a run.
+/// particles come to rest. The fields of the result that depend on the contact law are left empty. `measured` contains
+/// the measurements of a short run; `None` without such a run.
 fn without_contacts(
     experiment: &Experiment,
     target: f64,
@@ -272,8 +272,8 @@ fn kinds(
     bodies(experiment, particles, plan.rest.as_ref().map_or(0.0, |rest| rest.speed))
 }
 
-/// [-] smallest averaging time, divided by the mean time between two collisions of a particle. Errors fall with the
-/// root of the averaging time if this time is several mean times between collisions.
+/// [-] smallest averaging time that is recommended, divided by the mean time between two collisions of a particle.
+/// Only for such long times do errors fall with the root of the averaging time.
 const FREE_TIMES: f64 = 10.0;
 
 /// Number of particles and averaging time with which averages get the desired error. Errors fall with the square root
@@ -288,7 +288,8 @@ fn averaging(experiment: &Experiment, plan: &RunPrediction) -> Option<Averaging>
     let size: [f64; 3] =
         std::array::from_fn(|axis| if domain.periodic[axis] { side.min(domain.size[axis]) } else { domain.size[axis] });
     let particles = (plan.particles as f64 * size.iter().product::<f64>() / domain.volume()).round().max(1.0);
-    // samples less than a mean free time apart are not independent, so the averaging time has a lower limit
+    // samples (instants of measurement) that are less than a mean free time apart are not independent, so the
+    // averaging time has a lower limit
     let shortest = FREE_TIMES / gas.collision_rate;
     Some(Averaging {
         size,

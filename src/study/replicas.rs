@@ -28,11 +28,11 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
     Ok((0..count).map(one).collect())
 }
 
-/// Pools the replicas (runs with different seeds) of a variant into one outcome, and returns it with the outcomes of
-/// the further replicas. Profiles, temperature, rates, averages of species and measurements are averages over the
-/// replicas. The outcome is steady if more than half of the replicas are steady. Other results, such as times and
-/// energy balances, are those of the first replica that has not failed. Failed replicas are left out unless all have
-/// failed; the outcome contains the failure.
+/// Pools the replicas (runs with different seeds) of a variant into one outcome. Returns this outcome, and the
+/// separate outcomes of the replicas after the first one. Profiles, temperature, rates, averages of species and
+/// measurements are averages over the replicas. The outcome is steady if more than half of the replicas are steady.
+/// Other results, such as times and energy balances, are those of the first replica that has not failed. Failed
+/// replicas are left out unless all have failed. In either case the outcome contains the failure of one of them.
 pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     let failure = std::iter::once(&first).chain(&others).find_map(|run| run.failure.clone());
     let (mut rest, failed): (Vec<Outcome>, Vec<Outcome>) = others.into_iter().partition(|run| run.failure.is_none());
@@ -89,9 +89,9 @@ fn merge(first: &Outcome, others: &[Outcome]) -> Outcome {
     outcome
 }
 
-/// [-] standard deviation of an average between runs, divided by its standard error estimated within each run. It is
-/// the root mean square over the bulk velocity, the temperature and the impact rates, as far as they are known. `None`
-/// if none of these is known.
+/// [-] standard deviation of an average from run to run, divided by the standard error that is estimated within each
+/// run. The result is the root mean square of this ratio over the bulk velocity, the temperature and the impact rates,
+/// as far as they are known. `None` if none of these is known.
 fn scatter_over_errors(runs: &[&Outcome]) -> Option<f64> {
     let of = |run: &Outcome| -> [Option<Estimate>; 4] {
         let count = run.profiles.slices.len() as f64;

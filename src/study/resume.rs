@@ -78,7 +78,7 @@ fn adopt(args: &Resume, output: &mut Output, effort: &mut Effort) {
     effort.threads = args.threads.or(effort.threads);
 }
 
-/// Error that says why the results in `folder` cannot be resumed.
+/// Error with the reason why the command whose results are in `folder` cannot be resumed.
 fn refusal(folder: &Path, why: Unreadable) -> StudyError {
     let path = folder.join(CHECKPOINT).join(COMMAND[0]);
     match why {

@@ -83,9 +83,9 @@ fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), Stud
 }
 
 /// Refuses the option `--budgets` (budgets of the second moments of velocity) where budgets would be wrong. A budget
-/// follows each particle from window to window (time between two exchanges with the gas), and all windows must have one
-/// length. From each change of velocity it subtracts the changes by gravity and by the drag of the mean gas flow, and
-/// counts the rest as impacts.
+/// follows each particle from window to window (time between two exchanges with the gas), and all windows must have
+/// one length. It takes gravity and the drag of the mean gas flow as known, and attributes the rest of each change of
+/// velocity to impacts.
 fn refuse_budgets(args: &Run, experiment: &Experiment) -> Result<(), StudyError> {
     if !args.budgets {
         return Ok(());
@@ -120,7 +120,8 @@ fn refuse_budgets(args: &Run, experiment: &Experiment) -> Result<(), StudyError>
     }
 }
 
-/// Writes the budgets of the second moments of velocity, and returns sentences with the terms of each budget.
+/// Writes the budgets of the second moments of velocity (rates at which impacts, drag and other effects change them),
+/// and returns sentences with the terms of each budget.
 fn budgets(moments: &SecondMoments, outcome: &Outcome, folder: &Folder) -> Result<Vec<String>, StudyError> {
     let Some(budgets) = moments.budgets(outcome.steadiness.from) else {
         return Ok(vec!["No budgets: a slice saw no particle, or nothing was averaged.".into()]);

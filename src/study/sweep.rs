@@ -23,7 +23,8 @@ use clap::Parser;
 use std::collections::HashSet;
 use std::path::Path;
 
-/// Largest number of rows in the table of a sweep. A reader would not read more rows one by one.
+/// Largest number of rows in the table of a sweep. A sweep with more rows is refused, since its table would be too
+/// long to read.
 const MOST: usize = 10_000;
 
 /// Begins or resumes a sweep, and writes its results to a folder. Runs that are complete are not repeated.
@@ -98,8 +99,8 @@ fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError
 }
 
 impl RunResult for SweepRun {
-    /// Values measured in a run that has ended. If the scene was too crowded to start, the result contains this error
-    /// instead.
+    /// Values measured in a run that has ended. If the run could not begin because of wrong input, such as a scene
+    /// that is too crowded, the result contains this error instead.
     fn of(run: &ResumableRun, outcome: Result<Outcome, StudyError>) -> Result<Self, StudyError> {
         let mut result = Self { identity: run.identity.name.clone(), ..Self::default() };
         let outcome = match outcome {
@@ -112,7 +113,8 @@ impl RunResult for SweepRun {
         result.wall_seconds = outcome.timing.wall_seconds;
         result.failure = outcome.failure.as_ref().map(ToString::to_string);
         if result.failure.is_none() {
-            // the scatter within one run is valid for other runs only if the run is steady and its particles mix
+            // a standard error from the scatter within one run is valid only if the run is steady and its particles
+            // mix; otherwise a run with another seed may differ by more
             let tells = outcome.steadiness.steady && outcome.places_kept.is_none_or(|kept| kept <= FROZEN);
             let measured = OBSERVABLES.iter().filter_map(|one| {
                 let found = (one.of)(&outcome)?;
@@ -170,16 +172,17 @@ fn give(rows: &mut [SweepRow], run: &SweepRun) {
 struct SweepPlan {
     variants: Vec<String>,
     rows: Vec<SweepRow>,
-    /// Experiments of all variants at all points, each with its warnings.
+    /// Experiments of all variants at all points (values of the keys), each with its warnings.
     checked: Vec<Checked>,
     /// Runs of the sweep, without duplicates.
     runs: Vec<ResumableRun>,
     /// Names of the runs in messages, in the order of `runs`.
     names: Vec<String>,
-    /// Hashes of the resolved cases of all runs, by which equal runs are found.
+    /// Hashes of the resolved cases (with all values filled in) of all runs. Runs with equal hashes are equal, and are
+    /// done once.
     known: HashSet<String>,
-    /// Index of the first variant with hard spheres, with which the other variants are compared; `None` if there is no
-    /// such variant.
+    /// Index of the first variant (experiment of the case) with hard spheres, with which the other variants are
+    /// compared. `None` if no variant has hard spheres.
     reference: Option<usize>,
     /// True if the case requests trajectories. A sweep does not write them.
     has_trajectories: bool,
@@ -212,8 +215,8 @@ impl SweepPlan {
         Ok(plan)
     }
 
-    /// Adds a variant at a point of the sweep, with one run for each of `count` replicas (runs with different seeds).
-    /// `at` has the index of the value on each axis.
+    /// Adds a variant (experiment of the case) at a point of the sweep, with one run for each of `count` replicas
+    /// (runs with different seeds). `at` gives the point: the index of the value of each key.
     fn add(&mut self, axes: &[SweepAxis], at: &[usize], checked: Checked, count: u16) -> Result<(), StudyError> {
         let experiment = &checked.0;
         let variant = self.variants.iter().position(|name| *name == experiment.name).unwrap_or_else(|| {
@@ -239,8 +242,8 @@ impl SweepPlan {
     }
 }
 
-/// Indices of the values on all axes for the point with the number `index`, counted from 0. The value of the last axis
-/// changes fastest.
+/// Indices of the values on all axes (keys with several values) for the point with the number `index`, counted from 0.
+/// From point to point, the value of the last axis changes fastest.
 fn at(axes: &[SweepAxis], mut index: usize) -> Vec<usize> {
     let mut at: Vec<usize> = Vec::new();
     for axis in axes.iter().rev() {

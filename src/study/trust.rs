@@ -42,11 +42,11 @@ pub fn granular_temperature(outcome: &Outcome) -> Option<f64> {
     (count > 0.0).then(|| sum / count)
 }
 
-/// [-] softness: relative amount by which the effective diameter of soft spheres is smaller than their diameter, the
-/// largest value among all pairs of species. Hard spheres of the effective diameter behave nearly like the soft ones
-/// (Barker and Henderson). A species whose temperature was not measured has that of all particles. `None` for hard and
-/// hybrid spheres that collide in instants, if no temperature or no impact between particles was measured, and for few
-/// bodies, which do not form a gas.
+/// [-] softness: relative amount by which the effective diameter of soft spheres is smaller than their diameter. With
+/// several species, the largest value among all pairs of species is returned. Hard spheres of the effective diameter
+/// behave nearly like the soft ones (Barker and Henderson). A species whose temperature was not measured has that of
+/// all particles. `None` if spheres collided in instants, as hard spheres do, or if no temperature or no impact
+/// between particles was measured. `None` also for few bodies, which do not form a gas.
 pub fn softness(outcome: &Outcome) -> Option<f64> {
     if outcome.record.pairs.count == 0 || !outcome.paths.points.is_empty() {
         return None;
@@ -111,7 +111,7 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
 /// End of a sentence on a restitution that differs from the given one, if spheres touch several others at once.
 const SEVERAL: &str = ", since spheres touch several others at once and share their energy with them";
 
-/// True if at one instant of the series or more the particles had more than one contact each on average.
+/// True if the particles had, on average, more than one contact each at some instant of measurement.
 pub(super) fn meets_several(outcome: &Outcome) -> bool {
     outcome.series.rows.iter().any(|row| row.coordination > 1.0)
 }
@@ -138,7 +138,7 @@ fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
 }
 
 /// Adds a note if the cells in which colliding pairs are drawn at random (model `dsmc`) are too thick across a sheared
-/// box. Their limits are √T/γ, with the granular temperature T and the shear rate γ, and the mean free path.
+/// box. The thickness must not exceed √T/γ (granular temperature T, shear rate γ) or the mean free path.
 fn cells_in_shear(outcome: &Outcome, note: &mut impl FnMut(String)) {
     let experiment = &outcome.experiment;
     let scene = &experiment.scene;

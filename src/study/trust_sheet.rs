@@ -11,18 +11,18 @@ use crate::statistics::Estimate;
 
 /// Number of standard errors up to which a difference from the expected value is attributed to chance.
 const SUSPECT: f64 = 3.0;
-/// [-] largest share of the energy that may remain unexplained in the energy balance of a run. The error of the
-/// integrator at 20 steps per contact is much smaller.
+/// [-] largest share of the energy that the energy balance of a run may leave unexplained. The error of the integrator
+/// at 20 steps per contact is much smaller.
 const RESIDUAL: f64 = 1e-3;
 /// [-] limit of the mean overlap of the impacts, divided by the diameter of the smaller particle. It is λ in Eq. 11 of
 /// the paper, which uses the mean impact speed.
 const MEAN_OVERLAP: f64 = 0.01;
 /// [-] limit of the largest overlap, divided by the diameter of the smaller particle. It is the weaker of the two
-/// limits below Eq. 10 of the paper.
+/// limits that the paper gives below its Eq. 10.
 const LARGEST_OVERLAP: f64 = 0.1;
-/// [-] relative reduction of the effective diameter (that of hard spheres with nearly the same behaviour) above which
-/// the sheet marks this reduction. At this limit, soft impacts of a dilute gas make the agitation (random velocities)
-/// of the three directions equal more slowly than hard ones, by π/2 times the reduction, 0.8 %
+/// [-] limit of the softness, above which the sheet marks it. Soft spheres act like hard spheres whose diameter is
+/// smaller by this share. At the limit, impacts in a dilute gas make the agitation (random velocities) of the three
+/// directions equal 0.8 % more slowly than impacts of hard spheres. This is π/2 times the softness
 /// (docs/theory/softness.md).
 const SOFTNESS: f64 = 0.005;
 

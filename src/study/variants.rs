@@ -59,8 +59,8 @@ impl Variants {
         )))
     }
 
-    /// Smallest number of particles of any variant, at least 1. Particles that inlets are expected to bring are
-    /// included.
+    /// Number of particles of the variant with the fewest particles, at least 1. Particles that inlets are expected to
+    /// bring are included.
     fn fewest_particles(&self) -> usize {
         self.experiments().map(|experiment| experiment.expected_count().max(1.0) as usize).min().unwrap_or(1)
     }
@@ -105,7 +105,7 @@ impl Variants {
     }
 }
 
-/// Results of the variants so far, and the executor that does their runs.
+/// Results of the variants (experiments of a case) so far, and the executor that does their runs.
 pub struct VariantResults<'a> {
     variants: &'a Variants,
     executor: Executor<'a>,
@@ -133,8 +133,8 @@ pub struct VariantFindings {
 }
 
 impl<'a> VariantResults<'a> {
-    /// Prepares the runs of the variants; `scene` is a description of their scene. Processes that help the first
-    /// process do their parts of the runs in this call until the command ends. They then get `None`.
+    /// Prepares the runs of the variants; `scene` is a description of their scene. In a helper process (any process
+    /// but the first), the call does runs for the first process until the command ends, and then returns `None`.
     ///
     /// # Errors
     /// Returns an error if the scene is too crowded to start, and the errors of [`Executor::begin`].
@@ -284,7 +284,8 @@ mod tests {
         assert_eq!(different.len(), names.len(), "{names:?}");
     }
 
-    /// A chute starts empty, and its inlet brings some hundred particles: several processes are not refused.
+    /// Checks that particles that come in later count as work: a chute starts empty, and its inlet brings some hundred
+    /// particles, so several processes are not refused.
     #[test]
     fn particles_that_come_in_count_as_work() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/driven/chute.toml");

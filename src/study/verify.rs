@@ -10,13 +10,13 @@ use crate::schedule::Schedule;
 use crate::statistics::Estimate;
 use std::convert::Infallible;
 
-/// Length of the run divided by that of each part of the test. One part has the settings of the run, and the other part
-/// half the step, which doubles the cost at most. The whole test thus takes up to three fifteenths of the cost of the
-/// run.
+/// Length of the run divided by that of each of the two parts of the test. The first part has the settings of the run.
+/// The second part has half the step, and costs at most twice as much. The whole test thus takes up to three
+/// fifteenths of the cost of the run.
 const PARTS: f64 = 15.0;
 
-/// Number of samples (instants of measurement) in each part of the test. This number is enough for the intervals whose
-/// averages give a standard error.
+/// Number of samples (instants of measurement) in each part of the test. With so many samples, averages over intervals
+/// of time give a standard error.
 const SAMPLES: f64 = 48.0;
 
 /// Continues a run from its final state for a fifteenth of its length: once with its settings, and once with half the

@@ -7,8 +7,7 @@ use crate::statistics::power_law;
 
 /// [-] relative errors for which the cheapest method is named, each with its text in the sentence.
 const TARGETS: [(f64, &str); 2] = [(0.01, "1 %"), (0.001, "0.1 %")];
-/// Number of standard errors. An error of a method that is at most so many standard errors of the result is attributed
-/// to chance.
+/// Number of standard errors of a result up to which the error of a method is attributed to chance.
 const RESOLVED: f64 = 3.0;
 /// [-] relative error below which an error of a method is attributed to rounding. Positions of about 1 mm have a
 /// rounding error of about 1e-19 m, which is at most 1e-13 of an overlap of some micrometres.
@@ -17,7 +16,7 @@ const ROUNDING: f64 = 1e-12;
 /// parameters whose errors exceed chance and rounding.
 const ASYMPTOTIC: usize = 5;
 /// [-] smallest slope of ln(error) over ln(parameter) that is reported as an order of convergence. With a smaller
-/// slope, the error does not come from the parameter that is swept.
+/// slope, the error does not come from the parameter that is varied.
 const FLAT: f64 = 0.1;
 
 /// Order of convergence of each method in each quantity: slope of ln(error) as a function of ln(parameter of the
@@ -39,9 +38,9 @@ pub fn slopes(quantities: &[ChartQuantity], methods: usize, points: &[ChartPoint
     slopes
 }
 
-/// Parameter and relative error of the points of one method whose errors exceed chance and rounding, from coarse to
-/// fine parameters. Points before the last change of the sign of the error are left out. `index` is that of the
-/// quantity.
+/// Points of one method whose errors exceed chance and rounding, from coarse to fine parameters. Each has the value of
+/// the parameter and the relative error. Points before the last change of the sign of the error are left out. `index`
+/// is the index of the quantity.
 fn resolved<'a>(
     points: impl Iterator<Item = &'a ChartPoint>,
     index: usize,
@@ -64,7 +63,7 @@ fn resolved<'a>(
     kept
 }
 
-/// Name of a point of the chart in a sentence: its method and the value of its swept parameter with unit.
+/// Name of a point of the chart for a sentence: its method, and the value of the varied parameter with its unit.
 pub fn name(methods: &[ChartMethod], point: &ChartPoint) -> String {
     let method = &methods[point.method];
     let value = if method.unit == "s" { with_prefix(point.knob, "s", 3) } else { significant(point.knob, 3) };
@@ -129,9 +128,9 @@ fn within(
     format!("within {words} the cheapest is {first}{soft}")
 }
 
-/// Model of the method that reaches the relative error `target` [-] in the quantity at `index` at the fewest
-/// operations, and its cost as text. The text also names the method with the least wall time. `None` if no method of
-/// `models` certainly reaches the target.
+/// Model of the method that reaches the relative error `target` [-] with the fewest operations, and the cost of this
+/// method as text. The error is that in the quantity with the index `index`. The text also names the method with the
+/// least wall time. `None` if no method of `models` certainly reaches the target.
 fn cheapest_of(
     methods: &[ChartMethod],
     points: &[ChartPoint],

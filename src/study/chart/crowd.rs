@@ -18,11 +18,12 @@ use std::time::Instant;
 pub struct Crowd {
     /// Piece of the simulated time of the case that every method of the chart runs.
     pub stretch: Stretch,
-    /// Particles at the start of every method: those with which the first run of the reference begins the stretch.
+    /// Particles with which every method starts. The first run of the reference method begins the stretch (piece of
+    /// simulated time) with the same particles.
     start: Particles,
     /// Outcomes of the runs of the reference method, one for each seed.
     references: Vec<Outcome>,
-    /// Description of the method of the reference for the reader, such as "hard spheres at exact instants".
+    /// Description of the reference method for the reader, such as "hard spheres at exact instants".
     pub method: &'static str,
 }
 
@@ -37,7 +38,7 @@ const NUMBERS: [(&str, &str, &str, &str, OutcomeColumn); 2] = [
 ];
 
 /// Profiles across the height of the box in which methods can be compared. Each has a key, a name, a label of the axis
-/// of errors, and the column with its values in the table of averages over slices of the box.
+/// of errors, and a column of the table of averages over slices of the box.
 const PROFILES: [(&str, &str, &str, SliceColumn); 2] = [
     ("velocity_profile", "profile of the streamwise velocity U", "L₂ norm of U − reference, over that of U", U),
     (
@@ -67,8 +68,9 @@ impl Crowd {
         Err(StudyError::Failed(format!("error: no reference: neither model runs through this scene{why}")))
     }
 
-    /// Runs the method `way` of the reference with several seeds. Returns the particles at the start of the stretch in
-    /// the first run, and the outcomes of all runs. The inner error is the failure of the first run that stopped.
+    /// Runs the reference method `way` with several seeds. Returns the particles with which the first run begins the
+    /// stretch (piece of time that every method runs), and the outcomes of all runs. The inner error is the failure of
+    /// the first run that stopped.
     fn references(
         way: &Experiment,
         method: &str,
@@ -143,8 +145,8 @@ impl Crowd {
             let unit = column.unit;
             let mean = self.mean_profile(column);
             let size = norm(&mean);
-            // squared distances of R runs from their own mean are too small by the factor (R-1)/R; those of a further
-            // run from this mean are too large by the factor (R+1)/R
+            // in units of the variance, the mean squared distance of R runs from their own mean is (R-1)/R. For a
+            // further run it is (R+1)/R, so `rms` is multiplied by the root of the ratio of these numbers
             let starts = STARTS as f64;
             let squares: f64 =
                 self.references.iter().map(|run| norm(&differences(&profile(run, column), &mean)).powi(2)).sum();
@@ -161,8 +163,8 @@ impl Crowd {
         quantities
     }
 
-    /// Runs one method at the value `value` (SI unit) of its swept parameter, and returns its cost and its error in
-    /// each quantity. `method` is the index of the method in the chart.
+    /// Runs one method at the value `value` (SI unit) of its varied parameter. Returns the cost of the method, and its
+    /// error in each quantity. `method` is the index of the method in the chart.
     pub fn point(
         &self,
         sweep: &MethodSweep,
@@ -207,8 +209,8 @@ impl Crowd {
             key => {
                 let number = NUMBERS.iter().find(|(known, ..)| *known == key).map(|(.., pick)| pick(outcome));
                 if let Some(found) = number {
-                    // uncertainty: scatter between the runs of the reference, or the standard error of this run,
-                    // whichever is larger
+                    // the uncertainty is the larger of two numbers: the scatter between the runs of the reference, and
+                    // the standard error of this run
                     let (found, share) = (found?, found?.over(quantity.reference.value));
                     let uncertainty = share.error.map_or(quantity.floor, |own| own.max(quantity.floor));
                     single(found.value, (share.value - 1.0).abs(), Some(uncertainty))
@@ -224,9 +226,9 @@ impl Crowd {
         found.error.is_finite().then_some(found)
     }
 
-    /// Mean profile of the reference: a column of the table of averages over slices of the box across y, averaged over
-    /// the runs of the reference. There is one value per slice, in the unit of the column; `None` in a slice that is
-    /// empty in at least one run.
+    /// Mean profile of the reference method. A profile is a column of the table of averages over slices of the box
+    /// across y; it is averaged over all runs of the reference. There is one value per slice, in the unit of the
+    /// column; `None` in a slice that is empty in at least one run.
     fn mean_profile(&self, column: SliceColumn) -> Vec<Option<f64>> {
         let mut sums: Vec<Option<f64>> = Vec::new();
         for run in &self.references {

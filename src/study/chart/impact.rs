@@ -19,12 +19,12 @@ use nalgebra::Vector3;
 use std::path::Path;
 use std::time::Instant;
 
-/// Number of runs of each point. The runs differ in the phase, the instant within a time step at which the bodies first
-/// touch.
+/// Number of runs of each point of the chart (a method with one value of its parameter). The runs differ in the phase,
+/// the instant within a time step at which the bodies first touch.
 pub const PHASES: usize = 128;
 
-/// Divisor of the number of phases (instants of the first touch within a time step) in a trial run. The wall time of
-/// all phases is estimated from the trial.
+/// Number of phases (instants of the first touch within a time step) for each phase that is run on trial. The wall
+/// time of all phases is estimated from the trial.
 const TRIAL: usize = 16;
 
 /// One head-on impact of two spheres, or of a sphere on a plane wall.
@@ -47,7 +47,7 @@ pub struct HeadOn {
     pub duration: f64,
 }
 
-/// Run that failed before its end, or in which the bodies did not separate: the reason, and the cost of the run.
+/// Run that failed before its end, or in which the bodies did not separate. It has the reason and the cost of the run.
 struct Stopped {
     why: ChartFailure,
     counters: Counters,
@@ -345,8 +345,9 @@ fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-/// Absolute error of the mean of `values` against `reference`, divided by `scale`. Its standard error is computed as if
-/// the phases were random and independent. For equally spaced phases the true error is far smaller.
+/// Absolute error of the mean of `values` against `reference`, divided by `scale`. Its standard error is computed as
+/// if the phases (instants of the first touch within a time step) were random and independent. For equally spaced
+/// phases the true error is far smaller.
 fn mean_error(values: &[f64], reference: f64, scale: f64) -> PointError {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;

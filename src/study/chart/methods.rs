@@ -10,8 +10,8 @@ use crate::output::ChartMethod;
 pub enum MethodParameter {
     /// [-] number of time steps per contact N_c of soft spheres.
     StepsPerContact,
-    /// Elastic parameter of the contact law, such as the stiffness. It is swept at [`FINE_STEPS`] steps per contact.
-    /// The field holds the parameter with its value in the case.
+    /// Elastic parameter of the contact law, such as the stiffness. It is varied at [`FINE_STEPS`] steps per contact.
+    /// The field contains the parameter with its value in the case.
     Stiffness(Parameter),
     /// [-] step criterion θ of hard spheres in time steps: distance by which a typical pair of spheres approaches in
     /// one step, divided by the diameter.
@@ -24,8 +24,8 @@ pub enum MethodParameter {
 /// method gives the restitution with an error below 1e-6.
 pub const FINE_STEPS: f64 = 50.0;
 
-/// Collision model of a method and its way to step in time: soft spheres with law, stepping and integrator, or hard
-/// spheres in time steps or by events.
+/// Collision model of a method and its way through time. Soft spheres have a contact law, a kind of time steps and an
+/// integrator; hard spheres move in time steps or from event to event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum MethodKind {
     Soft(ContactLaw, SoftStepping, Integrator),
@@ -153,8 +153,8 @@ pub fn work(counters: &Counters) -> f64 {
     (counters.pair_checks + counters.force_evaluations + counters.events) as f64
 }
 
-/// Adds the counters of one run to `sum`, the counters of all runs of a point. The largest island (group of particles
-/// that may meet) is the largest of all runs.
+/// Adds the counters of one run to `sum`, the counters of all runs of a point of the chart. The size of the largest
+/// island (group of particles that may meet) is not added: the largest value of all runs is kept.
 pub fn total(sum: &mut Counters, one: &Counters) {
     sum.steps += one.steps;
     sum.uniform_steps += one.uniform_steps;

@@ -72,7 +72,7 @@ pub fn chart(args: &Chart) -> Result<(), StudyError> {
     };
     let report = write_chart(&folder, &study)?;
     if !quiet {
-        // the first sentences, one for each quantity, are printed in the report only
+        // the first sentences, one for each quantity, are in the report only; they are not printed
         let failures = verdicts.iter().skip(results.quantities.len()).cloned();
         let said: Vec<String> = std::iter::once(chart_answers(&study)).chain(failures).collect();
         conclude(&said, "Report", &report);
@@ -88,7 +88,7 @@ fn base(case: &Case) -> Result<Experiment, StudyError> {
     let known: Vec<Experiment> =
         run.iter().cloned().chain(variants.iter().flatten().cloned()).map(|(experiment, _)| experiment).collect();
     let Some(mut base) = known.first().cloned() else {
-        // both results are errors here; the error of the case itself is more specific
+        // both results are errors here; the error of the case itself says more than that of its variants
         return Err(run
             .err()
             .or(variants.err())

@@ -4,8 +4,8 @@ use crate::runs::INTERVAL;
 use crate::simulation::Simulation;
 use std::time::Instant;
 
-/// [-] weight of the estimate made before the runs, compared with the wall times measured so far. The estimate counts
-/// as much as measured runs that take this share of the estimated wall time of the whole chart.
+/// [-] weight of the estimate that was made before the runs. The estimate counts as much as measured runs whose
+/// estimated wall time is this share of that of the whole chart.
 const PRIOR: f64 = 0.05;
 
 /// Progress of the runs of a chart, with the expected wall time of each run.
@@ -119,7 +119,7 @@ mod tests {
         let expected = [10.0, 10.0, 30.0];
         let close = |found: Option<f64>, wanted: f64| assert!((found.unwrap() - wanted).abs() < 1e-12, "{found:?}");
         close(time_left(&expected, 0, 0.0, 0.0), 50.0);
-        // the runs are as fast as expected: the remaining time is that expected of the remaining runs
+        // the runs are as fast as expected, so the remaining time is the expected time of the remaining runs
         close(time_left(&expected, 1, 0.5, 15.0), 35.0);
         // the runs are twice as slow: 40 s instead of 20 s; the estimate has the weight of 2.5 s
         close(time_left(&expected, 2, 0.0, 40.0), 30.0 * 42.5 / 22.5);

@@ -12,11 +12,11 @@ use std::time::Instant;
 
 /// Number of runs of the reference method, each with a different seed.
 pub const STARTS: usize = 8;
-/// Number of samples of the statistics in a stretch (piece of simulated time that every method of a chart runs). With
-/// so many samples, averages get standard errors.
+/// Number of samples (instants of measurement) in a stretch (piece of simulated time that every method of a chart
+/// runs). With so many samples, averages get standard errors.
 pub const SAMPLES: f64 = 60.0;
 /// Averaging time of the case divided by the length of a stretch (piece of simulated time that every method of a chart
-/// runs). A chart has dozens of runs. With this number, these runs take minutes if the case takes seconds.
+/// runs). A chart has dozens of runs of this length, which take minutes if the case takes seconds.
 const PARTS: f64 = 10.0;
 /// Averaging time of the case divided by the length of a stretch (piece of simulated time that every method runs), with
 /// the option `--quick`.
@@ -24,11 +24,12 @@ const QUICK_PARTS: f64 = 100.0;
 /// [-] share of a run that is timed to estimate the wall time of the whole run.
 const TRIAL: f64 = 0.02;
 
-/// [-] relative tolerance of the search for the shortest duration. A number and its value rounded to three digits count
-/// as equal within this tolerance.
+/// [-] relative tolerance of the search for the shortest duration. A duration that exceeds a number of three digits by
+/// less than this is rounded down to it, not up.
 const ROUNDING: f64 = 1e-9;
 /// [-] longest duration tried in the search for the shortest duration with error bars, divided by the duration of the
-/// case. The search needs trials, because windows (times between two exchanges with the gas) grow with the duration.
+/// case. The search needs trials of longer and longer durations, because windows (times between two exchanges with the
+/// gas) grow with the duration.
 const LONGEST: f64 = 1e6;
 
 /// Piece of the simulated time of a case that every method of a chart runs.
@@ -81,8 +82,8 @@ impl Stretch {
         Ok(Self { experiment, before, window })
     }
 
-    /// Methods for the reference, each as an experiment with a description. The second method is used if the engine of
-    /// the first one fails; it is missing if the case has no contact law.
+    /// Possible reference methods, each as an experiment with a description. The second one is used if the engine of
+    /// the first one fails. There is no second one if the case has no contact law.
     pub fn ways(&self) -> Vec<(Experiment, &'static str)> {
         let mut hard = self.experiment.clone();
         hard.run.spheres = Spheres::Hard;
@@ -158,8 +159,8 @@ impl Stretch {
         }
         let alone = shortest(base, quick).map(|duration| format!("--set run.duration=\"{duration} s\""));
         let remedy = alone.or_else(|| {
-            // without `run.window`, windows grow with the duration; with a fixed window, a longer duration has more
-            // windows
+            // unless the case gives `run.window`, windows grow with the duration; with a fixed window, a longer run
+            // has more windows
             let window = rounded(self.window * (1.0 + ROUNDING), f64::floor);
             let mut fixed = base.clone();
             fixed.run.window = Some(window);

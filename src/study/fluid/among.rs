@@ -11,8 +11,8 @@ use std::path::Path;
 const GAS_TABLE: &str = "gas.csv";
 /// Largest size [bytes] of the table that is read. The table of one variant has some 20 kB.
 const LARGEST: u64 = 50_000_000;
-/// [-] largest allowed difference between the velocity of the gas alone in the table of the run and in the case,
-/// divided by the largest velocity. The table has the digits of a double.
+/// [-] largest allowed difference between two velocities of the gas alone: that in the table of the run and that of
+/// the case. The difference is divided by the largest velocity. The table has all digits of a double.
 const SAME_GAS: f64 = 1e-6;
 
 /// Row of `gas.csv`: the gas at one grid point, alone and averaged among the particles.

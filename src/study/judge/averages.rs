@@ -1,5 +1,5 @@
-//! Observables by which two steady runs are compared: averages over time that are not equal by definition or by
-//! symmetry. A variant is one of the experiments of a case.
+//! Observables by which two steady runs are compared: averages over time. Averages that are equal in all runs by
+//! definition or by symmetry are left out. A variant is one of the experiments of a case.
 
 use crate::experiment::Experiment;
 use crate::fluid::Profile;
@@ -26,10 +26,11 @@ const POINTS: usize = 20;
 /// gravity or walls drive a stream.
 ///
 /// The velocities V (normal to the walls) and W (spanwise) and the stresses uw and vw are left out: V vanishes since
-/// mass is conserved; W, uw and vw vanish by symmetry. The streamwise velocity U needs gas, gravity along the stream,
-/// or walls that move, since momentum is conserved otherwise. The number density needs walls or gravity. The stress uv
-/// needs walls and a stream, or a sheared box. The rotational temperature T_r is compared if the spheres of both
-/// variants rotate. The mean spin also needs walls and a stream.
+/// mass is conserved; W, uw and vw vanish by symmetry. Other averages are compared only under a condition. The
+/// streamwise velocity U needs gas, gravity along the stream, or walls that move, since momentum is conserved
+/// otherwise. The number density needs walls or gravity. The stress uv needs walls and a stream, or a sheared box. The
+/// rotational temperature T_r needs spheres that rotate in both variants. The mean spin needs rotation, walls and a
+/// stream.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;
     let walls = !scene.walls.is_empty();
@@ -81,8 +82,8 @@ fn profile(
 }
 
 /// Observables of `outcome` that are single numbers: granular temperature, impact rates and shear stress. Numbers that
-/// `reference` lacks are left out, and all numbers if the particles of `reference` are at rest. Times after `until` [s]
-/// are left out too.
+/// `reference` lacks are left out. If the particles of `reference` are at rest, all numbers are left out. Times after
+/// `until` [s] do not count.
 fn numbers(outcome: &Outcome, reference: &Outcome, until: f64) -> Vec<Observable> {
     let of = |outcome: &Outcome| {
         let averaged = outcome.averaged.clone();
@@ -130,8 +131,8 @@ fn value(batches: &Option<Batches>) -> Option<f64> {
     batches.as_ref()?.values.first().copied().filter(|value| *value > 0.0)
 }
 
-/// Multiplies a sum over particles by a ratio of numbers of particles. `counts` has the number to which the sum is
-/// scaled and the number of particles in the sum. `None` leaves the sum unchanged.
+/// Scales a sum over particles to another number of particles. `counts` has this number, then the number of particles
+/// in the sum. Without `counts` the sum is unchanged.
 fn of_as_many(batches: Option<Batches>, counts: Option<(usize, usize)>) -> Option<Batches> {
     match counts {
         Some((wanted, present)) if wanted != present => {
@@ -155,11 +156,12 @@ pub(super) fn number(
 /// sentence.
 pub(super) type Scale = (f64, &'static str);
 
-/// Scale by which the differences of a profile are divided, in the unit of the profile; `column` is one of the averages
-/// over slices of the box. The scale is the mean for the density, a normal stress and the rotational temperature, and
-/// the largest magnitude for the shear stress and the mean spin. For the streamwise velocity it is the mean slip
-/// between gas and particles or, without gas, the mean velocity past walls; at least the agitation √T (granular
-/// temperature T). No scale depends on the frame of reference. `None` without a measured value, or if nothing moves.
+/// Scale by which the differences of a profile are divided, in the unit of the profile; `column` is one of the
+/// averages over slices of the box. The scale is the mean for the density, a normal stress and the rotational
+/// temperature, and the largest magnitude for the shear stress and the mean spin. For the streamwise velocity it is
+/// the mean slip between gas and particles or, without gas, the mean velocity past walls. It is at least the agitation
+/// √T (granular temperature T). None of these scales depends on the frame of reference. `None` without a measured
+/// value, or if nothing moves.
 pub(super) fn scale(column: &SliceColumn, reference: &Outcome) -> Option<Scale> {
     let table = &reference.profiles;
     let known: Vec<(f64, f64)> = (0..table.slices.len())
@@ -204,7 +206,7 @@ fn is_driven(scene: &Scene) -> bool {
     scene.fluid.is_some() || scene.gravity.z != 0.0 || scene.walls.iter().any(moves)
 }
 
-/// True if the mirror image of the scene at the mid-plane y = L_y/2 is the scene itself.
+/// True if a mirror at the mid-plane y = L_y/2 of the box does not change the scene: its walls, gravity and gas.
 fn is_mirrored(experiment: &Experiment) -> bool {
     let Scene { domain, gravity, fluid, walls, .. } = &experiment.scene;
     let height = domain.size.y;

@@ -10,8 +10,8 @@ use crate::output::numbers::{quantity, significant};
 use crate::statistics::{Answer, Batches, LEVEL, Observable, Parity, compare, two_sided};
 use std::borrow::Cow;
 
-/// Largest number of instants at which two curves are compared. They are enough to show the shape of a curve, and few
-/// enough for a sensitive test at each instant.
+/// Largest number of instants at which two curves are compared. So many instants show the shape of a curve. More
+/// instants would make the test at each of them less sensitive.
 const INSTANTS: usize = 20;
 
 /// Smallest number of replicas (runs with different seeds) of each variant from which a curve gets standard errors.
@@ -21,13 +21,13 @@ pub const FEWEST: usize = 3;
 /// 14 degrees of freedom.
 const ADVISED: usize = 8;
 
-/// Number of particles that are assumed to move together as a group when single runs are compared. If all particles
-/// moved independently, this number would be 1. The value is larger, so that the answer "different" is not given too
-/// soon.
+/// Number of particles that are assumed to move together as a group when single runs are compared. For particles that
+/// move independently, the number would be 1. This larger number allows for more chance, so that the answer
+/// "different" is not given too soon.
 const CLUMP: f64 = 100.0;
 
-/// Columns of the time series that are compared as curves over time. These are all columns with a `scale`, the rule for
-/// the value by which differences are divided.
+/// Columns of the time series that are compared as curves over time. These are all columns that have a rule (`scale`)
+/// for the value by which differences are divided.
 fn curves() -> impl Iterator<Item = &'static SeriesColumn> {
     SERIES_COLUMNS.iter().filter(|column| column.scale.is_some())
 }
@@ -85,7 +85,7 @@ fn row_at(run: &Outcome, time: f64) -> Option<&Row> {
     rows.get(place).filter(|row| (row.time - time).abs() <= 1e-9 * time)
 }
 
-/// [s] instants after the start at which curves are compared: at most 20 instants at which all runs have a sample.
+/// [s] instants after the start at which curves are compared: at most 20 instants at which all runs were measured.
 pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     let Some(first) = all.iter().flatten().next() else { return Vec::new() };
     let runs: Vec<&&Outcome> = all.iter().flatten().collect();
@@ -120,8 +120,8 @@ fn of_kind(curve: &KindCurve, runs: &[&Outcome], references: &[&Outcome], times:
     (scale > 0.0).then(|| of.observable(value, runs, references, times))
 }
 
-/// Name and unit of a curve over time, and the scale by which its differences are divided. If the values are sums over
-/// particles (`is_sum`), they are scaled to the number of particles of the reference.
+/// Name and unit of a curve over time, and the scale by which differences of the curve are divided. If the values are
+/// sums over particles (`is_sum`), they are scaled to the number of particles of the reference.
 struct Of {
     name: Cow<'static, str>,
     unit: &'static str,

@@ -31,26 +31,27 @@ use words::percent;
 /// takes milliseconds and would distort the ratio of two short times.
 const TELLING: f64 = 0.1;
 
-/// [-] factor by which the time between samples (instants of measurement) of a longer run may exceed that of the
-/// present run. Beyond this factor, the errors of averages would not decrease with the length as expected. A
-/// recommendation of the longer run then also names a time between samples.
+/// [-] largest accepted ratio of the times between samples (instants of measurement) in a recommended longer run and
+/// in the present run. With a larger ratio, errors of averages would not decrease as expected. The recommendation then
+/// also names a time between samples.
 const CLOSE: f64 = 1.1;
 
-/// [-] volume fraction up to which soft and hard spheres have nearly equal collision rates. The relative difference is
-/// about 5 % of the softness (relative amount by which soft spheres act as smaller ones; docs/theory/softness.md).
+/// [-] volume fraction up to which soft and hard spheres have nearly equal collision rates. The relative difference of
+/// the rates is about 5 % of the softness (relative amount by which soft spheres act as smaller ones;
+/// docs/theory/softness.md).
 const DILUTE: f64 = 0.03;
 
-/// Compares every variant with its reference, which is another variant or a table of values. `others` contains, for
-/// each variant, all its replicas (runs with different seeds) except the first replica. The averages in `outcomes` are
-/// already over all replicas. `margin` [-] is the largest difference that counts as equivalent, divided by the scale of
-/// each observable.
+/// Compares every variant with its reference, which is another variant or a table of values. `outcomes` has one
+/// outcome for each variant, averaged over all its replicas (runs with different seeds). `others` has, for each
+/// variant, the separate outcomes of all replicas except the first. `margin` [-] is the largest difference that counts
+/// as equivalent, divided by the scale of each observable.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
     judge_at(outcomes, others, Criteria { margin, levels: ErrorLevels::default() })
 }
 
 /// Compares every variant with its reference, with the margin (largest accepted difference) and the accepted
-/// probabilities of wrong answers in `asked`. If a comparison has several interim tests, each of them needs smaller
-/// probabilities.
+/// probabilities of wrong answers in `asked`. The probabilities must be smaller if a comparison is tested several
+/// times while its runs are done.
 pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) -> Vec<Verdict> {
     let replicas = |place: usize| others.get(place).map_or(&[][..], Vec::as_slice);
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, other)| place != other);
@@ -64,7 +65,7 @@ pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) 
 /// Margin of equivalence and error levels of a comparison of two variants.
 #[derive(Clone, Copy, Debug)]
 pub struct Criteria {
-    /// [-] largest difference that counts as equivalent, divided by the scale of the observable.
+    /// [-] largest difference that counts as equivalent, divided by the scale of the observable, such as its mean.
     pub margin: f64,
     /// Accepted probabilities of wrong answers.
     pub levels: ErrorLevels,
@@ -73,8 +74,8 @@ pub struct Criteria {
 /// Outcomes of all replicas of a variant; replicas are runs with different seeds.
 #[derive(Clone, Copy)]
 pub struct ReplicaRuns<'a> {
-    /// Outcome of the first replica (run with one of the seeds). If there are several replicas, its averages are over
-    /// all replicas.
+    /// Outcome of the first replica (run with one of the seeds). If there are several replicas, the averages in this
+    /// outcome are over all replicas.
     pub outcome: &'a Outcome,
     /// Outcomes of all replicas (runs with different seeds) except the first replica.
     pub others: &'a [Outcome],
@@ -138,7 +139,7 @@ fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     }
 }
 
-/// Finding for `runs` of which one may have stopped early: the answer "equivalent" becomes "unresolved", since a part
+/// Corrects the finding if one of the `runs` stopped early: the answer "equivalent" becomes "unresolved", since a part
 /// of a run cannot show equivalence. Other answers are unchanged.
 fn stopped(runs: &[&Outcome], found: Finding) -> Finding {
     let Some(stopped) = runs.iter().find(|one| one.failure.is_some()) else { return found };
@@ -169,8 +170,8 @@ fn frozen(both: [&Outcome; 2]) -> Option<f64> {
     both.iter().filter_map(|one| one.places_kept).reduce(f64::max).filter(|kept| *kept > FROZEN)
 }
 
-/// Finding "unresolved" for variants with one run each whose particles do not mix: another run would settle to another
-/// state. `kept` [-] is the share of particles that stay in their layer (slice of the height y).
+/// Finding "unresolved" for two variants with one run each, in which particles do not mix. Another run would settle to
+/// another state. `kept` [-] is the share of particles that stay in their layer (slice of the height y).
 fn one_of_many(both: [&Outcome; 2], kept: f64) -> Finding {
     let placed = both[1].experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let advice = if placed {
@@ -232,9 +233,9 @@ fn steady(variant: &Outcome, reference: &Outcome, asked: Criteria) -> Finding {
     }
 }
 
-/// Description, for a sentence, of a run whose averaging period is `stretch` [-] times that of `run`. If the default
-/// time between samples (instants of measurement) of the longer run exceeds that of `run` by more than the factor
-/// [`CLOSE`], the text also recommends the time of `run`.
+/// Description, for a sentence, of a run whose averaging period is `stretch` [-] times that of `run`. By default, the
+/// longer run may have a longer time between samples (instants of measurement) than `run`. If the ratio of these times
+/// exceeds [`CLOSE`], the text also recommends the time between samples of `run`.
 fn longer(run: &Outcome, stretch: f64) -> String {
     let from = run.profiles.from;
     let mut experiment = run.experiment.clone();
@@ -259,7 +260,7 @@ fn unsteady(runs: &[&Outcome]) -> String {
 /// Remark that soft spheres in a dilute gas collide as often as hard ones, although they behave like smaller spheres in
 /// other ways. `None` in a dense gas, or unless a soft variant is compared with a hard reference.
 fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
-    // the volume fraction is measured, since particles may come and go
+    // the measured volume fraction is used, since particles may come and go
     let slices = &variant.stress.volume_fraction;
     let filled: f64 = slices.iter().flatten().map(|fraction| fraction.value).sum();
     let dilute = slices.iter().all(Option::is_some) && filled < DILUTE * slices.len() as f64;

@@ -1,5 +1,5 @@
-//! Comparison of the numbers that two steady runs measure because their case has a table `[observe]`, by the rule that
-//! also applies to the averages of every case. A variant is one of the experiments of a case.
+//! Comparison of the numbers that two steady runs measure because their case has a table `[observe]`. The rule of
+//! comparison is that for the averages of every case. A variant is one of the experiments of a case.
 //!
 //! These numbers are tested together, with a separate error level (probability of a false difference) of 1 %, and are
 //! no part of the answer for the variants. So a further measurement changes neither this answer nor its probability of
@@ -19,8 +19,8 @@ const NAMED: usize = 4;
 
 /// Remark on a reference value that is zero within its error, so that differences cannot be divided by it.
 const ZERO: &str = "no relative difference: the value is zero within its error";
-/// Remark on numbers whose standard error was not computed from averages over intervals of time, so that the number of
-/// independent values is not known.
+/// Remark on numbers whose standard error was not computed from averages over intervals of time. The number of
+/// independent values is then not known.
 const NORMAL: &str = "tested by the normal distribution: the number of independent values is not known";
 /// Remark on numbers that are constant in time, such as the wavelength of a pattern that stays. Another run may have
 /// another pattern.
@@ -64,7 +64,7 @@ pub fn observed_differences(runs: [&[Observation]; 2], until: f64, asked: Criter
     shared.iter().zip(own.iter().zip(&other)).map(row).collect()
 }
 
-/// Number that two runs measure: the number in each of the runs, with a known value.
+/// Number that two runs measure. Its value is known in both runs.
 struct SharedNumber<'a> {
     measurement: &'static str,
     numbers: [&'a ObservedNumber; 2],
@@ -84,15 +84,15 @@ impl SharedNumber<'_> {
         if self.values[1].is_zero_within_error() { 0.0 } else { self.values[1].value.abs() }
     }
 
-    /// True if at least one of the two numbers has no averages over intervals of time, and its standard error is not 0.
-    /// The number of independent values is then not known, and the error counts as exactly known.
+    /// True if at least one of the two numbers has no averages over intervals of time, unless its standard error is 0.
+    /// The number of independent values is then not known, so the standard error is taken as exact.
     fn is_stated(&self) -> bool {
         let each = self.numbers.iter().zip(&self.values);
         each.into_iter().any(|(number, value)| number.batches.is_none() && value.error != Some(0.0))
     }
 
-    /// True if an error follows from the scatter in time, and not from that between replicas (runs with different
-    /// seeds).
+    /// True if the error of at least one of the two numbers is computed from the scatter in time, and not from the
+    /// scatter between replicas (runs with different seeds).
     fn is_of_one_run(&self) -> bool {
         self.numbers.iter().filter_map(|number| number.batches.as_ref()).any(|batches| batches.per_run > 1)
     }
@@ -146,9 +146,9 @@ fn shared(runs: [&[Observation]; 2]) -> Vec<SharedNumber<'_>> {
     shared
 }
 
-/// Averages of a number over intervals (blocks) of time up to `until` [s]. A number without blocks counts as one with
-/// an exactly known standard error; this error is independent of the errors of numbers with another `place`. `None`
-/// without a standard error, and if the first block ends after `until`.
+/// Averages of a number over intervals (blocks) of time up to `until` [s]. The standard error of a number without
+/// blocks is taken as exact; numbers with different values of `place` get independent errors. `None` without a
+/// standard error, or if the first block ends after `until`.
 fn batches(number: &ObservedNumber, place: usize, until: f64) -> Option<Batches> {
     let stated = || number.value.and_then(|found| Some(Batches::of_stated(found.value, found.error?, place)));
     let blocks = |batches: &Batches| Some(batches.until(until)).filter(|kept| kept.per_run > 0);

@@ -22,8 +22,8 @@ use nalgebra::Vector3;
 /// is far above rounding and far below the differences that are compared.
 const DISTURBANCE: f64 = 1e-6;
 
-/// [-] largest growth of the disturbance of the initial velocities up to which paths are compared. After more growth,
-/// even a difference of 1 % between the models would exceed the speeds themselves.
+/// [-] largest growth of the disturbance of the initial velocities up to which paths are compared. If the disturbance
+/// has grown more, even an initial difference of 1 % would have become larger than the speeds themselves.
 const GROWTH: f64 = 1e3;
 
 /// Positions and velocities of all particles at one recorded instant, sorted by id.
@@ -160,8 +160,8 @@ struct Widest {
 /// Recorded instants of a run, with marks for the particles that are in an impact at each instant.
 struct ImpactSpans<'a> {
     instants: Vec<Instant<'a>>,
-    /// True if the particle is in an impact; the first index is that of the instant, the second that of the particle in
-    /// order of ids.
+    /// True if a particle is in an impact at an instant. The first index is that of the instant, the second that of
+    /// the particle in the order of ids.
     during: Vec<Vec<bool>>,
 }
 
@@ -190,7 +190,7 @@ impl<'a> ImpactSpans<'a> {
         Self { instants, during }
     }
 
-    /// Indices of the recorded instants from the time `from` [s] to the time `to` [s].
+    /// Range of indices of the recorded instants from the time `from` [s] to the time `to` [s].
     fn between(&self, from: f64, to: f64) -> std::ops::Range<usize> {
         let first = self.instants.partition_point(|instant| instant[0].time < from);
         first..first.max(self.instants.partition_point(|instant| instant[0].time <= to))
@@ -211,9 +211,9 @@ impl Widest {
     /// or later, since an impact may be delayed. Particles in an impact (shortly after a touch begins, or shortly
     /// before it ends) are left out, because they differ by the contact itself.
     fn of(before: &[&[Instant; 2]], [variant, reference]: [&Outcome; 2], late: f64) -> Option<Self> {
-        /// [-] longest time for which particles count as in an impact after a touch begins or before it ends, divided
-        /// by the contact time of the fastest impacts. With Hertz's law slow impacts last longer: the contact time
-        /// varies as the speed to the power −1/5.
+        /// [-] longest time after the beginning or before the end of a touch in which particles count as in an impact,
+        /// divided by the contact time of the fastest impacts. With Hertz's law slow impacts last longer: the contact
+        /// time varies as the speed to the power −1/5.
         const SLOW: f64 = 3.0;
         let domain = &reference.experiment.scene.domain;
         let longest = SLOW * impact_time(&variant.experiment).max(impact_time(&reference.experiment));
@@ -247,8 +247,8 @@ impl Widest {
     }
 }
 
-/// [s] longest of the contact times of all kinds of pairs and walls at their fastest impacts. It is 0 for hard spheres,
-/// and if no contact has an end.
+/// [s] longest contact time among all kinds of contacts (pairs of species, species at walls), each at its fastest
+/// impacts. It is 0 for hard spheres, and if no contact has an end.
 fn impact_time(experiment: &Experiment) -> f64 {
     let Some(law) = experiment.law() else { return 0.0 };
     let times = at_fastest_impacts(experiment).into_iter().map(|kind| kind.contact_time(&law));
@@ -263,7 +263,7 @@ impl Apart {
 }
 
 /// [s] last recorded instant before a small disturbance of the initial velocities has grown a thousandfold. `None` if
-/// the disturbance never grows so much, or if it exceeds this limit at no more than half of the instants from then on.
+/// the disturbance does not grow so much, or if it later falls below this limit again at half of the instants or more.
 /// `None` also if the particles cannot be placed again.
 fn predictable(reference: &Outcome) -> Option<f64> {
     let speed = largest_speed(reference);
@@ -299,8 +299,8 @@ pub fn horizon(reference: &Outcome) -> Horizon {
     Horizon(predictable(reference))
 }
 
-/// Largest velocity and displacement in a weighted sum of the states of several runs. The weights add up to zero, so
-/// velocity and displacement vanish if all runs are equal.
+/// Largest velocity and displacement of any particle in a weighted sum of the states of several runs. The weights add
+/// up to zero, so both are zero if all runs are equal.
 pub struct Missed {
     /// [s] simulated time at which the states are summed.
     pub time: f64,

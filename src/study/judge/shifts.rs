@@ -16,8 +16,8 @@ use crate::statistics::{
     student_bound, two_sided,
 };
 
-/// Weighted sum of several runs: the replicas (runs with different seeds) of each run, with its weight [-]. The
-/// observables of the runs are summed with these weights, and the sums are compared.
+/// Weighted sum of several runs. Each entry has the weight [-] of a run, and the outcomes of its replicas (runs with
+/// different seeds). The observables of the runs are summed with these weights.
 pub type Mix<'a> = [(f64, ReplicaRuns<'a>)];
 
 /// Runs of the unchanged case. They determine the kind of comparison for all changes: paths, averages or curves.
@@ -32,9 +32,10 @@ pub struct ShiftReference<'a> {
 /// returns `None` if the observable has no such difference.
 type ShiftColumn = fn(&Tested) -> Option<Deviation>;
 
-/// Shifts of several observables by one change of the case, and the kind of comparison by which they were found.
+/// Shifts (differences from the unchanged case) of several observables by one change of the case, and the kind of
+/// comparison by which they were found.
 pub struct Shifts {
-    /// Shifts, one per observable.
+    /// Shifts (differences from the unchanged case), one per observable.
     pub shifts: Vec<Shift>,
     /// Kind of comparison by which the shifts were found: paths, averages or curves.
     pub basis: Basis,
@@ -43,8 +44,8 @@ pub struct Shifts {
 }
 
 impl<'a> ShiftReference<'a> {
-    /// Makes a reference from the runs of the unchanged case. It chooses the kind of comparison that is valid for these
-    /// runs.
+    /// Makes a reference from the runs of the unchanged case, and chooses the kind of comparison that is valid for
+    /// these runs.
     pub fn new(runs: ReplicaRuns<'a>) -> Self {
         let outcome = runs.outcome;
         let few = !outcome.paths.points.is_empty();
@@ -58,9 +59,10 @@ impl<'a> ShiftReference<'a> {
         Self { runs, basis, horizon }
     }
 
-    /// Shifts of the observables: the weighted sum of runs `of` minus the weighted sum `against`. Weights are positive,
-    /// and their totals are equal in both sums. The shift of a curve over time is its mean difference or that at one
-    /// instant, whichever is more significant. `margin` [-] is the largest difference that counts as equivalent.
+    /// Shifts of the observables: the weighted sum of runs `of` minus the weighted sum `against`. Weights are
+    /// positive, and their totals are equal in both sums. The shift of a curve over time is its mean difference or its
+    /// difference at one instant, whichever is more significant. `margin` [-] is the largest difference that counts as
+    /// equivalent.
     pub fn shifts(&self, of: &Mix, against: &Mix, margin: f64) -> Shifts {
         self.found([of, against], margin, Tested::headline)
     }
@@ -160,7 +162,7 @@ fn ends(mix: &Mix) -> Vec<u64> {
     mix.iter().flat_map(|(_, runs)| all_of(runs)).map(|run| run.final_state_hash).collect()
 }
 
-/// Sets a shift to exactly zero, for runs that are equal bit for bit.
+/// Sets a shift (difference) and its error to exactly zero, for runs that are equal bit for bit.
 fn nothing(shift: &mut Shift) {
     shift.difference = 0.0;
     shift.error = Some(0.0);
@@ -172,8 +174,8 @@ fn all_of<'a>(runs: &ReplicaRuns<'a>) -> Vec<&'a Outcome> {
     std::iter::once(runs.outcome).chain(runs.others).collect()
 }
 
-/// Observable with one number that represents a profile: the mean of the profile over the slices of the box across y.
-/// If the profile changes sign at the mid-plane, the number is half the difference between the means of the two halves.
+/// Observable with one number in place of a profile: the mean of the profile over the slices of the box across y. If
+/// the profile changes sign at the mid-plane, the number is half the difference between the means of the two halves.
 /// For the density it is the mean of the two slices at the walls, or the first slice of a profile that is not
 /// symmetric. An observable that is a single number is returned unchanged. If no slice has a value, the returned
 /// observable has none either. The result is never `None`.
@@ -278,10 +280,10 @@ fn without_error(a: &Observable, b: &Observable) -> Option<Shift> {
     })
 }
 
-/// Increases the errors of shifts that are found from a straight line through several runs, if the runs do not lie on
-/// the line. For each observable, `misses` has the distance of one run from the line, with its error. If this distance
-/// is larger than its error, the error of the shift is multiplied by their ratio. If the distance has no error (0), the
-/// distance times `share` [-] is added to the error of the shift.
+/// Increases the errors of shifts (differences) that are found from a straight line through several runs, if the runs
+/// do not lie on the line. For each observable, `misses` has the distance of one run from the line, with the error of
+/// this distance. If the distance is larger than its error, the error of the shift is multiplied by their ratio. If
+/// the error of the distance is 0, the distance times `share` [-] is added to the error of the shift.
 pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
     let one = |mut shift: Shift| {
         let miss = misses.iter().find(|miss| miss.observable == shift.observable);
@@ -293,7 +295,7 @@ pub fn widened(shifts: Vec<Shift>, misses: &[Shift], share: f64) -> Vec<Shift> {
         } else {
             share * miss.difference.abs()
         };
-        // the distance of three runs from a line has one degree of freedom
+        // three runs and a line with two parameters leave one degree of freedom
         let freedom = shift.freedom.unwrap_or(1.0);
         if more > 0.0 {
             shift.error = Some(error + more);

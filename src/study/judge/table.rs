@@ -54,8 +54,9 @@ fn found(outcome: &Outcome, table: &ReferenceTable, asked: Criteria) -> Finding 
     }
 }
 
-/// Pairs of observables, each from the run and from the table: one pair for each profile, and one for each average over
-/// the scene. A value of a profile in the table is compared with the slice of the box at its height y.
+/// Pairs of observables, the first from the run and the second from the table. There is one pair for each profile, and
+/// one for each average over the scene. A value of a profile in the table is compared with the slice of the box at its
+/// height y.
 fn observables(outcome: &Outcome, table: &ReferenceTable) -> Vec<(Observable, Observable)> {
     let mut pairs = Vec::new();
     let numbered: Vec<(usize, &ReferencePoint)> = table.points.iter().enumerate().collect();

@@ -20,8 +20,7 @@ pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 2))
 }
 
-/// Rest of a sentence that begins with the name of a run: the run is not steady, with the reason. `None` for a steady
-/// run.
+/// Predicate of a sentence whose subject is a run: the run is not steady, with the reason. `None` for a steady run.
 pub fn not_steady(steadiness: &Steadiness) -> Option<String> {
     let why = match steadiness.drift {
         _ if steadiness.steady => return None,
@@ -41,8 +40,8 @@ pub fn margin(share: f64) -> String {
     format!("{} %", digits.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// Name of an average over slices of the box, given by the name of its column, in the form that fits into a sentence.
-/// An example is "the mean velocity U" for "U".
+/// Name of an average over slices of the box for use in a sentence, such as "the mean velocity U". The argument is the
+/// name of its column, such as "U".
 pub fn in_prose(name: &str) -> String {
     match name {
         "number_density_ratio" => "the number density".into(),
@@ -56,8 +55,8 @@ pub fn in_prose(name: &str) -> String {
 }
 
 /// Answer of a comparison of averages or curves, as a sentence without its subject. `across` is the unit of positions
-/// or instants: m, s, or empty for single numbers. `needed` describes runs that would decide the comparison, given the
-/// factor by which they are longer or more numerous.
+/// or instants: m, s, or empty for single numbers. The function `needed` describes runs that would decide the
+/// comparison; its argument is the factor by which the runs must be longer or more numerous.
 pub fn answer(comparison: &Comparison, across: &str, needed: impl Fn(f64) -> String) -> String {
     match comparison.answer {
         Answer::Equivalent => equivalent(comparison, across),
@@ -136,7 +135,8 @@ fn unresolved(comparison: &Comparison, across: &str, needed: &impl Fn(f64) -> St
         return format!("unresolved: there are no error bars for {}.", names.join(", "));
     };
     let limit = margin(comparison.margin);
-    // the factor must show every observable equivalent; it is at least 2, even if these runs nearly suffice
+    // with this factor every observable would be shown equivalent. The factor is at least 2, even if the present runs
+    // nearly suffice
     let stretch = comparison.judged.iter().map(|one| one.stretch).fold(2.0, f64::max);
     let advice = if stretch > ENDLESS {
         format!(

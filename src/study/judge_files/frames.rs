@@ -21,8 +21,8 @@ const OF_VELOCITIES: [&str; 7] = [
     "mean_velocity_z_m_s",
 ];
 
-/// Columns of `series.csv` that need the masses of the particles as well as their velocities. The columns of rotation
-/// exist only if the trajectory has spins.
+/// Columns of `series.csv` that need the masses of the particles as well as their velocities. The last five are
+/// columns of rotation; they exist only if the trajectory has spins.
 const OF_MASSES: [&str; 12] = [
     "kinetic_energy_J",
     "momentum_x_kg_m_s",
@@ -43,8 +43,8 @@ const OF_MASSES: [&str; 12] = [
 type AveragedColumn = (String, Option<f64>);
 
 impl NumberTable {
-    /// Fills the table from the text of a trajectory, which has the particles of several instants. Returns false if the
-    /// text has another format. With `slices`, the box is divided into this number of slices along y, and each slice
+    /// Fills the table from the text of a trajectory, which has the particles of several instants. Returns false if
+    /// the text is no trajectory. With `slices`, the box is divided into this number of slices along y, and each slice
     /// has its own columns. Temperatures are then relative to the mean velocities of the slices.
     ///
     /// # Errors
@@ -100,13 +100,13 @@ fn times(frames: &[ParticleFrame]) -> (&'static str, Vec<f64>) {
 /// divided into this number of slices along y. Each slice then adds its number of particles, mean velocity and
 /// temperatures.
 fn columns(frame: &ParticleFrame, slices: usize) -> Vec<AveragedColumn> {
-    // without a box no side is periodic, and one slice contains all particles
+    // a trajectory without a box gets an infinite box without periodic sides; one slice contains all particles
     let domain = frame.domain.clone().unwrap_or_else(|| Domain::new(Vector3::repeat(f64::INFINITY), [false; 3]));
     let particles = &frame.particles;
     let row = Row::of_sample(0.0, particles.into(), particles.mean_velocity(), (&domain, slices));
     let wanted = |key: &&str| OF_VELOCITIES.contains(key) || frame.has_masses && OF_MASSES.contains(key);
     let mut all = vec![(COUNT.to_owned(), Some(particles.len() as f64))];
-    // a quantity that is not defined, such as the centre of mass along a periodic side, has no column
+    // a quantity that is not defined at this instant, such as the centre of mass along a periodic side, has no column
     let is_there = |one: &&SeriesColumn| OF_VELOCITIES.contains(&one.key) || (one.of)(&row).is_some();
     let own = SERIES_COLUMNS.iter().filter(|one| wanted(&one.key)).filter(is_there);
     all.extend(own.map(|one| (one.key.to_owned(), (one.of)(&row))));

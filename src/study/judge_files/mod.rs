@@ -23,7 +23,7 @@ use side::{JudgeSide, SideData};
 use std::path::{Path, PathBuf};
 
 /// [-] margin of equivalence (largest accepted difference) that applies if neither the command line nor the settings
-/// give one. It is a difference divided by the scale of the quantity, such as the magnitude of its value on side B.
+/// give one. The difference is divided by the scale of the quantity, such as the magnitude of its value on side B.
 const MARGIN: f64 = 0.01;
 
 /// Compares the data of two sides and writes the report to one folder. Returns one answer for all quantities together,
@@ -76,17 +76,17 @@ pub fn judge_files(args: &JudgeArguments) -> Result<Option<Answer>, StudyError> 
     Ok(overall(&comparisons))
 }
 
-/// Path of the first file of one side of the comparison, without the name of a variant (experiment of a case) that may
-/// follow after a colon. The name of the folder of results is made from this path.
+/// Path of the first file of one side of the comparison, from which the name of the folder of results is made. If the
+/// name of a variant (experiment of a case) follows after a colon, it is cut off.
 fn first_file(side: &JudgeSide) -> PathBuf {
     let first = side.paths.first().map_or("", String::as_str);
     table::split_variant(first).0.into()
 }
 
 /// Answers for all quantities. Quantities with the same margin (largest accepted difference) and the same kind of data
-/// (averages or curves) form a group with one answer. The accepted probability of a false difference in a group is
-/// proportional to its number of quantities. So the probability of any false difference is as large as for a single
-/// test.
+/// (averages or curves) form a group with one answer. Each group gets a share of the accepted probability of a false
+/// difference, in proportion to its number of quantities. So the probability of any false difference is that of a
+/// single test.
 fn verdicts(measured: &[MeasuredQuantity], names: &[String; 2]) -> Vec<Verdict> {
     let key = |one: &MeasuredQuantity| (one.summary.basis, one.summary.margin);
     let mut keys: Vec<(Basis, f64)> = Vec::new();

@@ -13,7 +13,8 @@ pub struct ComparedColumns {
     /// Names of the columns on side A and on side B. In a table of single values, labels of values take the place of
     /// these names.
     pub columns: [String; 2],
-    /// Factors for the values of the columns of A and B that convert them to the unit of the comparison.
+    /// Factors by which the values of the columns of A and B are multiplied, to convert them to the unit of the
+    /// comparison.
     pub factors: [f64; 2],
     /// SI unit in which the values are compared; empty if the settings give no unit.
     pub unit: String,
@@ -99,9 +100,9 @@ fn lacking(side: &JudgeSide, name: &str) -> Option<(String, String)> {
     }
 }
 
-/// Quantities made of columns or points that have the same name on both sides, and notes for the reader. Times, numbers
-/// of time steps and names of variants (experiments of a case) are left out. A column with cells that are not numbers
-/// is left out, and a note says so.
+/// Quantities that are compared if the settings name none: columns or points with the same name on both sides. Also
+/// returns notes for the reader. Times, numbers of time steps and names of variants (experiments of a case) are left
+/// out. A column with cells that are not numbers is left out, and a note says so.
 fn equal_names(margin: f64, sides: &[JudgeSide; 2]) -> Result<(Vec<ComparedColumns>, Vec<String>), Diagnostic> {
     let (first, left_out) = names(&sides[0]);
     let (second, more) = names(&sides[1]);

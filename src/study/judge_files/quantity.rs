@@ -23,8 +23,8 @@ pub struct MeasuredQuantity {
     pub summary: FilesQuantity,
     /// Averages or curves of both sides with their errors; `None` if nothing can be compared.
     pub observables: Option<[Observable; 2]>,
-    /// Reason why nothing can be compared, or why curves are compared instead of averages; empty if there is no such
-    /// reason.
+    /// Reason why nothing can be compared, or why curves are compared instead of averages. Empty if averages are
+    /// compared.
     pub remark: String,
 }
 
@@ -45,7 +45,8 @@ enum MeasuredSide<'a> {
 /// Reads a quantity on both sides and prepares the comparison of its averages or curves.
 ///
 /// # Errors
-/// Returns an error if a cell contains no number, or if averages are needed and the times are not equally spaced.
+/// Returns an error if a cell contains no number, or if the times are not equally spaced, unless the settings ask for
+/// curves.
 pub fn measure(
     columns: &ComparedColumns,
     sides: &[JudgeSide; 2],
@@ -129,8 +130,8 @@ fn side<'a>(
     }
 }
 
-/// Average of a quantity on one side over its steady time, with the averages over equal intervals (blocks) of this
-/// time.
+/// Average of a quantity on one side over the time in which it is steady, with the averages over equal intervals
+/// (blocks) of this time.
 struct SideAverage {
     summary: SideSummary,
     batches: Option<Batches>,
@@ -194,8 +195,8 @@ fn average(
         .collect();
     let batches = Batches::pool(&blocks.iter().collect::<Vec<_>>(), false).map(|mut batches| {
         if !series.unit_known {
-            // lengths of the averaged intervals (blocks) in unknown units must not be compared with those of the other
-            // side
+            // in unknown units, the lengths of the averaged intervals (blocks) cannot be compared with those of the
+            // other side
             batches.length = f64::NAN;
         }
         batches

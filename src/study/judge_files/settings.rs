@@ -123,7 +123,7 @@ impl JudgeFile {
 }
 
 impl SideFile {
-    /// Length of the unit of times in seconds [s]; `None` if the settings give no unit.
+    /// [s] length of the unit of times, in seconds; `None` if the settings give no unit.
     ///
     /// # Errors
     /// Returns an error if the unit is not a unit of time.
@@ -170,7 +170,7 @@ impl QuantityFile {
     }
 }
 
-/// Exponents of the dimension of a unit, and the size of the unit in SI units.
+/// Dimension of a unit, as exponents of the base units, and the size of the unit in SI units.
 fn size(given: &Located<String>, sources: &Sources) -> Result<(Exponents, f64), Diagnostic> {
     unit(&given.value).map_err(|why| {
         let error = sources.error(&given.origin, format!("`{}` = \"{}\" {}", given.path, given.value, why.message));

@@ -15,7 +15,7 @@ const TIMES: [&str; 9] = ["t_s", "time_s", "time", "Time", "t", "Step", "TimeSte
 /// Names of columns of times that count time steps, or number the instants of a file.
 const STEPS: [&str; 4] = ["Step", "TimeStep", "step", "frame"];
 
-/// Columns of a table of single values that do not belong to the label of a value.
+/// Columns of a table of single values that are not part of the label of a value.
 const POINT: [&str; 2] = ["value", "standard_error"];
 
 /// [-] largest deviation of a time from equal spacing, divided by the spacing, in a series that can be averaged.
@@ -47,7 +47,7 @@ pub struct SeriesFiles {
     /// given, or if the column of times does not count time steps.
     pub unit_known: bool,
     /// Start of averaging, in seconds or, if `unit_known` is false, in the unit of the column of times. `None` if the
-    /// test for steadiness finds the start.
+    /// start is not given; the test for steadiness then finds it.
     pub from: Option<f64>,
 }
 
@@ -213,9 +213,9 @@ impl TimedTable {
         self.rows.iter().map(|row| self.table.number(*row, column, sources)).collect()
     }
 
-    /// Time between two rows, in the unit of `times`, and the range of indices of `times` from the time `from` on
-    /// (`None`: all). With fewer than two such rows the time between rows is given as 1. A last row that does not fit
-    /// the spacing is left out, since some programs write a further row at the end of a run.
+    /// Time between two rows, in the unit of `times`, and the range of indices of the times from `from` on (all times
+    /// if `from` is `None`). With fewer than two such times the first result is 1. A last row that does not fit the
+    /// spacing is left out, since some programs write a further row at the end of a run.
     ///
     /// # Errors
     /// Returns an error if the times are not equally spaced. Averages over time would then need weights.
@@ -225,7 +225,8 @@ impl TimedTable {
         let [first, second, ..] = self.times[start..] else { return Ok((1.0, start..count)) };
         let interval = second - first;
         let off = |row: usize| {
-            // times with six digits give the spacing a small error, which grows from row to row
+            // times are often written with six digits, so the spacing has a small error; the error of a predicted time
+            // grows from row to row
             let steps = (row - start) as f64;
             (self.times[row] - first - steps * interval).abs() > SPACING * interval * (1.0 + 1e-3 * steps)
         };

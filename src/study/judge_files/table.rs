@@ -30,7 +30,7 @@ pub struct NumberTable {
     pub warnings: Vec<Diagnostic>,
     /// Numbers of each column, in the order of the rows. NaN stands for a cell without a finite number.
     numbers: Vec<Vec<f64>>,
-    /// Texts of the cells without a finite number, by index of the row and index of the column.
+    /// Texts of the cells without a finite number. The key has the index of the row, then the index of the column.
     texts: BTreeMap<(usize, usize), String>,
     /// Range of bytes of each row of the table in the text of the file.
     lines: Vec<Range<usize>>,
@@ -83,8 +83,8 @@ impl NumberTable {
         table.of_variant(variant)
     }
 
-    /// Reads the rows of a file that the command `fix ave/time` of LAMMPS wrote for scalars. Returns false if the text
-    /// is no such file.
+    /// Reads the rows of a file that the command `fix ave/time` of LAMMPS wrote, with one row of scalars per time.
+    /// Returns false if the text is no such file.
     fn averages(&mut self, text: &str, lines: &[Range<usize>], sources: &Sources) -> Result<bool, Diagnostic> {
         let is_header = |line: &&Range<usize>| text[(*line).clone()].trim_start().starts_with("# TimeStep");
         let Some(header) = lines.iter().find(is_header) else { return Ok(false) };
@@ -162,8 +162,8 @@ impl NumberTable {
         Ok(())
     }
 
-    /// Table that has only the rows of the variant `wanted`, if a column of the table names variants. If `wanted` is
-    /// `None`, all rows must belong to the same variant.
+    /// Table that has only the rows of the variant (experiment of a case) `wanted`, if a column of the table names
+    /// variants. If `wanted` is `None`, all rows must belong to the same variant.
     fn of_variant(self, wanted: Option<&str>) -> Result<Self, Diagnostic> {
         let Some(column) = self.columns.iter().position(|name| name == "variant") else {
             return match wanted {
@@ -228,8 +228,8 @@ impl NumberTable {
         nearest(name, &self.columns).map_or(all.clone(), |known| format!("did you mean `{known}`? ({all})"))
     }
 
-    /// Text of a cell. A cell without a finite number has the text of the file; the digits of a number may differ from
-    /// the file.
+    /// Text of a cell. If the cell has no finite number, this is the text in the file. A number may have other digits
+    /// than in the file.
     pub fn text(&self, row: usize, column: usize) -> String {
         self.texts.get(&(row, column)).cloned().unwrap_or_else(|| format!("{}", self.numbers[column][row]))
     }
@@ -255,8 +255,8 @@ impl NumberTable {
     }
 }
 
-/// Path, and the name of a variant if the argument has the form `FOLDER:VARIANT`. A file whose name contains a colon is
-/// a path as it stands.
+/// Splits an argument of the form `FOLDER:VARIANT` into a path and the name of a variant (experiment of a case). An
+/// argument that is the path of an existing file, even with a colon, is not split.
 pub fn split_variant(argument: &str) -> (&str, Option<&str>) {
     let is_folder = |(folder, _): &(&str, &str)| !Path::new(argument).exists() && Path::new(folder).exists();
     argument.rsplit_once(':').filter(is_folder).map_or((argument, None), |(folder, variant)| (folder, Some(variant)))

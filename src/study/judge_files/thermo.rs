@@ -15,9 +15,8 @@ const BEFORE_HEADER: [&str; 2] = ["Per MPI rank memory allocation", "Memory usag
 const YAML_HEADER: &str = "keywords:";
 
 impl NumberTable {
-    /// Reads the rows of a LAMMPS log. A log may have several tables of thermo output, each of which ends at `Loop
-    /// time`; the rows are those of all tables whose header equals that of the last table. Returns false if the text
-    /// contains no header.
+    /// Reads the tables of thermo output in a LAMMPS log. Each table ends at a line with `Loop time`. The rows of all
+    /// tables with the same header as the last table are read. Returns false if the text contains no header.
     pub(super) fn thermo(&mut self, text: &str, lines: &[Range<usize>], sources: &Sources) -> Result<bool, Diagnostic> {
         let line = |place: usize| text[lines[place].clone()].trim();
         let is_header = |place: usize| {

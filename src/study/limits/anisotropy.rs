@@ -18,8 +18,8 @@ use std::f64::consts::{FRAC_2_PI, PI};
 
 /// [-] volume fraction of the particles, as in case D of the paper (docs/paper.md).
 const FRACTION: f64 = 0.01;
-/// Number of collisions per particle before the first measurement of the anisotropy. By then, soft contacts begin and
-/// end at equal rates.
+/// Number of collisions per particle before the first measurement of the anisotropy. By then, as many soft contacts
+/// end as begin in a given time.
 const BEFORE: f64 = 0.1;
 /// Number of collisions per particle between the two measurements of the anisotropy. During this time the anisotropy
 /// falls by a third. A longer time would increase the scatter, since later collisions of soft and hard spheres differ

@@ -12,8 +12,8 @@ use crate::runs::StudyError;
 use std::f64::consts::PI;
 
 /// [-] restitution tan²(π/4 (1 - 1/n)) below which a column of n equal spheres that meets a wall collides infinitely
-/// often (Bernu and Mazighi 1990, J. Phys. A 23, 5745). A free line of N = 2n spheres is equivalent, since it is its
-/// own mirror image.
+/// often (Bernu and Mazighi 1990, J. Phys. A 23, 5745). A free line of N = 2n spheres has the same limit, since its
+/// symmetric halves meet like a column and a wall.
 fn threshold(n: f64) -> f64 {
     (PI / 4.0 * (1.0 - 1.0 / n)).tan().powi(2)
 }
@@ -36,8 +36,8 @@ fn start(count: usize, set: usize, wall: bool) -> (Vec<f64>, Vec<f64>) {
     (0..count).map(|k| (gap(k), speed(k))).unzip()
 }
 
-/// Map of the share of starts that end in a collapse, as a function of the number of spheres and the restitution. The
-/// spheres are on a line and approach one another or, if the case has a wall, approach the wall.
+/// Map of the share of initial states that lead to an inelastic collapse, as a function of the number of spheres and
+/// the restitution. The spheres are on a line and approach one another or, if the case has a wall, approach the wall.
 pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let wall = !grid.base.scene.walls.is_empty();
     let counts = match (wall, grid.choose(true, false)) {
@@ -87,8 +87,8 @@ pub fn one_dimension(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     Ok(vec![MapSweep::new(rows, lesson, picture)])
 }
 
-/// Map of gases that cool by inelastic collisions in three dimensions: number of collisions per sphere until a collapse
-/// (or until the run ends without one), as a function of the volume fraction and the restitution.
+/// Map of gases that cool by inelastic collisions in three dimensions: number of collisions per sphere until an
+/// inelastic collapse (or until the run ends without one), as a function of the volume fraction and the restitution.
 pub fn cooling(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
     let (e, fraction, count, collisions) = grid.choose(
         (even(0.1, 0.9, 5), vec![0.05, 0.2, 0.4], 200, 30.0),
@@ -138,29 +138,29 @@ const BIN: f64 = 2e-3;
 /// Number of bins of time in which the collisions of a bed are counted.
 const BINS: usize = 75;
 
-/// Collision rate of a bed of spheres in one bin of time, and energy saved by the TC model (elastic collisions in quick
-/// succession).
+/// Collision rate of a bed of spheres in one bin of time, and energy saved by the TC model (a collision is elastic if
+/// it follows another one within a contact time).
 struct CollapseInterval {
     /// [s] simulated time at the middle of the bin.
     at: f64,
     /// [1/s] number of collisions per sphere and time in the bin.
     rate: f64,
-    /// [-] energy that the TC model saves, because it makes collisions in quick succession elastic. It is summed from
-    /// the start to the end of the bin, and divided by the initial energy plus the work of gravity.
+    /// [-] energy that is not lost, because the TC model makes collisions in quick succession elastic. The energy is
+    /// summed from the start to the end of the bin, and divided by the initial energy plus the work of gravity.
     kept: f64,
     failure: Option<Failure>,
 }
 
 /// Runs a bed of spheres that comes to rest, and returns one entry for each bin of time; a failure ends the list.
-/// `contact_time` [s] is that of the TC model, in which collisions in quick succession are elastic. `None` means no TC
-/// model.
+/// `contact_time` [s] is that of the TC model: a collision within this time after another one is elastic. Without it,
+/// there is no TC model.
 fn bed(grid: &Points, contact_time: Option<f64>) -> Result<Vec<CollapseInterval>, StudyError> {
     let mut simulation = simulation(&grid.with(|case| case.hard.contact_time = contact_time))?;
     let start = simulation.energy();
     let (mut rows, mut before) = (Vec::new(), 0);
     for _ in 0..BINS {
         let (began, failure) = (simulation.time, run(&mut simulation, 1, BIN));
-        // after a failure the bin is shorter
+        // after a collapse the bin ends at the collapse, so it is shorter
         let spent = collapse(&failure).map_or(BIN, |time| time - began);
         let events = simulation.record.pairs.count + simulation.record.walls.count;
         let rate = (events - before) as f64 / spent / simulation.particles.len() as f64;

@@ -72,10 +72,10 @@ pub fn points<T: Copy>(x: &[T], y: &[T]) -> Vec<(T, T)> {
     y.iter().flat_map(|&y| x.iter().map(move |&x| (x, y))).collect()
 }
 
-/// List of `count` equally spaced values from `first` to `last`; `count` is at least 2.
+/// List of `count` equally spaced values from `first` to `last`, rounded to nine decimals; `count` is at least 2.
 pub fn even(first: f64, last: f64, count: usize) -> Vec<f64> {
     let step = (last - first) / (count - 1) as f64;
-    // rounded, since the rounding error of a sum of decimal steps would be visible in tables
+    // rounded to nine decimals; tables would otherwise show rounding errors, such as 0.30000000000000004
     (0..count).map(|k| ((first + step * k as f64) * 1e9).round() / 1e9).collect()
 }
 

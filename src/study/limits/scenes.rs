@@ -29,7 +29,7 @@ pub fn simulation(experiment: &Experiment) -> Result<Simulation, StudyError> {
 }
 
 /// Runs a simulation for `duration` [s] in `windows` equal windows (pieces of the run). Returns the failure if the run
-/// stops early, otherwise `None`; failures are results of a map.
+/// stops early, otherwise `None`. A failure is a result for a map, and not an error.
 pub fn run(simulation: &mut Simulation, windows: u64, duration: f64) -> Option<Failure> {
     simulation.run(windows, duration / windows as f64).err()
 }
@@ -114,8 +114,8 @@ pub fn scatter(set: usize, k: usize) -> f64 {
     ((k + 1) as f64 * GOLDEN + (set + 1) as f64 * PLASTIC).fract()
 }
 
-/// Mean over runs with different seeds of the number that the function `of` takes from each run, and the standard error
-/// of this mean. With one run the error is NaN.
+/// Mean over several runs, and its standard error. The function `of` takes the number that is averaged from a run.
+/// With one run the error is NaN.
 pub fn mean<T>(runs: &[T], of: impl Fn(&T) -> f64) -> (f64, f64) {
     let n = runs.len() as f64;
     let mean = runs.iter().map(&of).sum::<f64>() / n;

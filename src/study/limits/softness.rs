@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 const SPEED: f64 = 0.7;
 /// [-] volume fraction of the particles.
 const FRACTION: f64 = 0.1;
-/// Number of samples of the temperature in a run.
+/// Number of instants in a run at which the temperature is measured.
 const SAMPLES: u32 = 50;
 
 /// [N/m] stiffness k of the contact springs for which the softness sqrt(m T/k)/d equals `softness` [-].
@@ -39,9 +39,9 @@ fn of_smaller_spheres(softness: f64) -> f64 {
 }
 
 /// [-] rate at which soft spheres touch at the distance d, divided by the rate of hard spheres. `softness` [-] is
-/// sqrt(mT/k)/d. The pair distribution is that of hard spheres of diameter d_eff at the distance d: g + g'(d-d_eff),
-/// with contact value g and slope g'. The slope -(9/2)φ(1+φ)/(1-φ)³/d_eff is from Percus and Yevick's equation
-/// (Wertheim 1963), with the volume fraction φ of these spheres.
+/// sqrt(mT/k)/d. This rate is proportional to the pair distribution at the distance d. It is taken as that of hard
+/// spheres of diameter d_eff: g + g'(d-d_eff), with contact value g and slope g'. The slope -(9/2)φ(1+φ)/(1-φ)³/d_eff
+/// is from Percus and Yevick's equation (Wertheim 1963), with the volume fraction φ of spheres of diameter d_eff.
 fn touches(softness: f64) -> f64 {
     let contact = |fraction: f64| (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     let smaller = effective_diameter(softness);

@@ -26,11 +26,11 @@ const DISTURBANCE: f64 = 0.01;
 /// 3.5 in all.
 const STEPS: f64 = 1e5;
 
-/// [-] growth of the disturbance above which a point of the map counts as unstable. It is far from 1, the growth of a
-/// stable point without damping, and from 100, at which the contacts open.
+/// [-] ratio of the final to the initial disturbance above which a point of the map counts as unstable. Without
+/// damping a stable point has the ratio 1; at the ratio 100 the contacts open.
 const GROWS: f64 = 2.0;
 
-/// [-] restitution of the contact with one of the two walls. Both contacts together then act as one contact of the
+/// [-] restitution that each of the two walls must have, so that both contacts together act as one contact of the
 /// given `restitution` [-]. The damping ratio of one contact is that of both contacts together, divided by √2.
 fn of_one(restitution: f64) -> f64 {
     let damping = damping_ratio(restitution) / 2.0f64.sqrt();
@@ -50,7 +50,8 @@ pub fn stability(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
             case.soft.time_step = TimeStep::Fixed(step);
         }))?;
         let mut failure = run(&mut simulation, 1, STEPS * step);
-        // amplitude: half the range of the positions during 64 steps, which is one period at the shortest step
+        // the amplitude is half the range of the positions during 64 steps, which is one period of the oscillation at
+        // the shortest step
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for _ in 0..64 {
             // the run is continued even if a step failed because the energy grew

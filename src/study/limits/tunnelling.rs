@@ -69,7 +69,7 @@ pub fn pair(grid: &Points) -> Result<Vec<MapSweep>, StudyError> {
 /// Point of the map of spheres that hit a thin plate. `reduced` [-] is their speed divided by d ω_0 (diameter times
 /// undamped angular frequency), `steps` the number of steps per contact. The `phases` spheres, one per run, reach the
 /// plate at equally spaced instants within a step. The point also has the share of runs that stopped because the
-/// overlap was too large, and the share of spheres that passed undetected.
+/// overlap was too large, and the share of spheres that passed through the plate without a failure.
 fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result<KnownPoint, StudyError> {
     let frequency = (STIFFNESS / mass()).sqrt();
     let speed = reduced * DIAMETER * frequency;
@@ -82,7 +82,7 @@ fn through_plate(grid: &Points, reduced: f64, steps: f64, phases: i32) -> Result
             place(case, vec![(Vector3::new(2e-3, MIDDLE + height, 2e-3), Vector3::new(0.0, -speed, 0.0))]);
             case.soft.time_step = TimeStep::PerContact(steps);
         }))?;
-        // time of two steps to the plate, two steps behind it, and one and a half contact times
+        // time of two steps to the plate, two further steps, and one and a half contact times
         let duration = step * (4.0 + (1.5 * steps).ceil());
         let mut why = run(&mut simulation, 1, 4.0 * step);
         let below = simulation.particles.position[0].y < MIDDLE && simulation.particles.velocity[0].y < 0.0;

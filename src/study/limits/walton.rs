@@ -23,8 +23,8 @@ const CLASSES: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
 const SOLID: f64 = 2.0 / 7.0;
 
 /// Tangential law with the tangential restitution `beta` (β_0) [-], for surfaces whose normal restitution is
-/// `restitution` [-]. If the law of the case gives a β_0, only this number is replaced. Otherwise the spring has no
-/// dashpot, and its stiffness ratio is κ = (2/7)(1 - ζ²)(arccos(-β_0)/π)², with the damping ratio ζ.
+/// `restitution` [-]. If the tangential law of the case is given by a β_0, only this number is replaced. Otherwise the
+/// spring has no dashpot, and its stiffness ratio is κ = (2/7)(1 - ζ²)(arccos(-β_0)/π)², with the damping ratio ζ.
 fn law(case: &TangentialLaw, restitution: f64, beta: f64) -> TangentialLaw {
     let ratio = damping_ratio(restitution);
     TangentialLaw::Linear(match case {

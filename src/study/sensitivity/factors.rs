@@ -13,18 +13,20 @@ use crate::fluid::Profile;
 use crate::output::numbers::quantity;
 use crate::scene::{Kind, Meeting, Surface};
 
-/// [-] restitution of the inelastic walls of the paper (section 4). A factor sets it if the case is elastic.
+/// [-] restitution of the inelastic walls of the paper (docs/paper.md, section 4). If the restitution of the case is
+/// 1, it is changed to this value.
 const PAPER_RESTITUTION: f64 = 0.94;
-/// [-] standard error of a measured restitution, by which a factor reduces the restitution of a case: cellulose acetate
+/// [-] standard error of a measured restitution, by which the study reduces a restitution below 1: cellulose acetate
 /// 0.87 ± 0.02 (Foerster, Louge, Chang and Allia 1994, Phys. Fluids 6, 1108).
 const RESTITUTION_ERROR: f64 = 0.02;
-/// [-] friction coefficient of glass on glass (Foerster et al. 1994). A factor sets it if particles have no friction.
+/// [-] friction coefficient of glass on glass (Foerster et al. 1994). If particles have no friction, it is changed to
+/// this value.
 const GLASS_FRICTION: f64 = 0.092;
-/// [-] friction coefficient of the rough walls of the paper (section 4). A factor sets it if the walls have no
-/// friction.
+/// [-] friction coefficient of the rough walls of the paper (docs/paper.md, section 4). If the walls have no friction,
+/// it is changed to this value.
 const PAPER_WALL_FRICTION: f64 = 0.325;
-/// [-] standard error of a measured friction coefficient, by which a factor increases the friction of a case: cellulose
-/// acetate 0.25 ± 0.02 (Foerster et al. 1994).
+/// [-] standard error of a measured friction coefficient, by which the study increases a friction that is not 0:
+/// cellulose acetate 0.25 ± 0.02 (Foerster et al. 1994).
 const FRICTION_ERROR: f64 = 0.02;
 /// [-] number of steps per contact in the cases B to D of the paper, from its printed time step and stiffness
 /// (docs/paper.md, "The audit").
@@ -33,14 +35,15 @@ const PAPER_STEPS: f64 = 7.7;
 /// in one step, divided by the diameter. The value is a third of the usual 0.3, at which fast spheres pass through
 /// walls (docs/limits.md).
 const THETA: f64 = 0.1;
-/// [-] factor between the stiffnesses of successive runs, the first of which has the stiffness of the case. With each
-/// reduction by 4 the overlaps of linear springs double, so the softest of three runs has overlaps four times as deep.
+/// [-] factor by which the stiffness is reduced from run to run. The first of three runs has the stiffness of the
+/// case. Each reduction by 4 doubles the overlaps of linear springs, so the overlaps of the third run are four times
+/// as deep.
 const STIFFNESS_RATIO: f64 = 4.0;
 /// [-] length of the shortened box divided by that of the box of the case.
 const BOX_SHARE: f64 = 0.5;
 
 /// Function that plans the runs of a factor (a change of the case), or returns the reason why the factor makes no
-/// sense. The text is the size of the change that the user typed; `None` if none was typed.
+/// sense. The second argument is the size of the change as typed by the user; `None` if the user typed no size.
 type Make = fn(&mut SensitivityPlan, Option<&str>) -> Result<PlannedFactor, String>;
 
 /// Built-in factor of a sensitivity study: a change of the case that the user can select by name.
@@ -96,8 +99,8 @@ pub(super) fn plain(number: f64) -> f64 {
     (1e6 * number).round() / 1e6
 }
 
-/// Description of the soft spheres of a case by the elastic parameter of their contact law, such as "k_n = 3 kN/m".
-/// Without a contact law, the description is "soft".
+/// Description of the soft spheres of a case: symbol and value of the elastic parameter of their contact law, such as
+/// "k_n = 3 kN/m". Without a contact law, the description is "soft".
 fn stiff(law: Option<ContactLaw>) -> String {
     law.map_or("soft".into(), |law| {
         let parameter = law.parameter();
@@ -125,8 +128,8 @@ fn stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFa
     let law = plan.run(soft).law().ok_or("there is no contact law")?;
     let parameter = law.parameter();
     let mut runs = vec![(soft, 1.0)];
-    // an overlap is a power of the stiffness; the law gives the stiffness for half the overlap, from which the power
-    // follows
+    // a stiffness that is larger by the factor s reduces overlaps by the factor s^(1/power). The power follows from
+    // `stiffening(2.0)`, the factor s that halves the overlaps
     let power = law.stiffening(2.0).log2();
     for k in 1..=2 {
         let factor = ratio.powi(k);
@@ -202,7 +205,7 @@ fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
 
 /// Names of the tables in the list `contact.pairs` whose second kind of body is `wanted` (a species or a wall), each
 /// with its contact properties. To find the pair of bodies to which a table belongs, the function changes the friction
-/// in this table on trial. The pair whose friction then differs is the pair of the table.
+/// in this table on trial. The table belongs to the pair whose friction then differs.
 pub(super) fn listed(plan: &SensitivityPlan, wanted: fn(&Kind) -> bool) -> Vec<(String, Meeting)> {
     /// [-] friction coefficient of the trial, which does not occur in any case.
     const PROBE: f64 = 0.123_456_789;
@@ -278,8 +281,8 @@ fn why_restitution(own: f64) -> &'static str {
     }
 }
 
-/// Names of the tables of all walls and of all listed pairs with a wall. Each table has the property of its surface
-/// that the function `of` returns, such as the friction.
+/// Names of the tables of all walls and of all listed pairs with a wall. With each table comes the property of its
+/// surface that the function `of` returns, such as the friction.
 fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String, f64)>, String> {
     let walls = &plan.reference().scene.walls;
     if walls.is_empty() {
@@ -396,7 +399,8 @@ fn shorter_box(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
     let name = format!("box: {} along {}", quantity(after, "m", 4), ["x", "y", "z"][axis]);
     let shorter = format!("domain.size[{axis}]=\"{after:e} m\"");
     let number = |k: usize| format!("particles[{k}].count={}", (counts[k] as f64 * share).round().max(1.0));
-    // if the case gives the number of particles, a shorter box would crowd them, so the number is reduced as well
+    // if the case gives the number of particles, they would be crowded in a shorter box, so the number is reduced as
+    // well
     let same = |experiment: &Experiment| experiment.counts() == reference.counts();
     let sets = match plan.changed(std::slice::from_ref(&shorter), None, None) {
         Ok(experiment) if !same(&experiment) => vec![shorter],

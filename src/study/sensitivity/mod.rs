@@ -56,8 +56,8 @@ impl Question {
 }
 
 /// Begins or resumes a study that answers `question`, and writes its results to one folder. Runs that are complete are
-/// not repeated. Returns one answer for all factors together, or `None` without a factor, if only the plan is printed,
-/// or in a helper process of a command with several processes.
+/// not repeated. Returns one answer for all factors (changes of the case) together. `None` without a factor, if only
+/// the plan is printed, or in a helper process (any process but the first).
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or for failures of engines, after everything has been
@@ -108,7 +108,8 @@ pub fn sensitivity(
     let (report, sentences, overall) = executor.checkpointer.with_remedy(table.write(&executor.folder))?;
     executor.finish(&sentences, &report)?;
     let outcomes: Vec<Outcome> = table.pooled().into_iter().flatten().collect();
-    // in `diptych needs`, a run that stops without a model is an answer, so only the first run may cause an error
+    // in `diptych needs`, a run may stop because a model was left out. This is an answer (the model is needed) and no
+    // error, so only a failure of the first run is an error
     let of_needs = if question == Question::Needs { 1 } else { outcomes.len() };
     failures(&outcomes[..of_needs.min(outcomes.len())])?;
     Ok(overall)
@@ -126,9 +127,8 @@ fn runs(plan: &SensitivityPlan, first: usize) -> Result<Vec<ResumableRun>, Study
     Ok(runs)
 }
 
-/// Does all runs of the plan concurrently, and writes the results so far when the last writing is older than
-/// [`INTERVAL`]. If the user stops the command, the states of incomplete runs are stored, and these runs give no
-/// results.
+/// Does all runs of the plan concurrently. From time to time (every [`INTERVAL`]), the results so far are written. If
+/// the user stops the command, the states of incomplete runs are stored, and these runs give no results.
 fn run_all(executor: &Executor, table: &mut SensitivityTable) -> Result<(), StudyError> {
     let replicas = usize::from(table.plan.replicas);
     let all: Vec<usize> = (0..replicas * table.plan.runs.len()).collect();

@@ -16,8 +16,8 @@ use std::collections::BTreeMap;
 const CHEAPEST: &str = "cheapest";
 
 /// Chooses the models that can be left out together, and compares a run without them with the run of the richest case,
-/// which has all models. If the user stops the command, the run is stored and stays incomplete. There is no such run if
-/// fewer than two models are chosen, or if the case cannot do without all of them together.
+/// which has all models. There is no such run if fewer than two models are chosen, or if the case refuses to leave out
+/// all of them together. If the user stops the command, the state of the run is stored.
 ///
 /// # Errors
 /// Returns an error if the run cannot begin or cannot be stored.
@@ -56,9 +56,9 @@ pub fn confirm(executor: &mut Executor, table: &mut SensitivityTable) -> Result<
     Ok(())
 }
 
-/// Factors whose models can be left out together, beginning with the factor that saves the most wall time. The shifts
-/// of each factor are below the margin (largest accepted shift). For every observable, the magnitudes of the shifts by
-/// these factors add up to at most the margin.
+/// Factors (changes of the case) whose models can be left out together, beginning with the factor that saves the most
+/// wall time. The shifts of each factor are below the margin (largest accepted shift). For every observable, the
+/// magnitudes of the shifts by these factors add up to at most the margin.
 fn superfluous<'a>(
     planned: &'a [PlannedFactor],
     factors: &[Factor],
@@ -99,7 +99,7 @@ fn cost(runs: &[SensitivityRun], factor: &Factor) -> f64 {
 }
 
 /// Sentences on the cheapest set of models, the needed models, the models without a decision, the assumptions and the
-/// effect of chance. Further sentences name models that cannot be left out because the run without them stops.
+/// effect of chance. Further sentences name each factor (change of the case) whose run stopped.
 pub fn sentences(plan: &SensitivityPlan, factors: &[Factor], runs: &[SensitivityRun], margin: f64) -> Vec<String> {
     of_models((&plan.factors, &plan.assumed), factors, runs, margin)
 }
@@ -145,8 +145,8 @@ fn of_models(
     sentences
 }
 
-/// Sentence on the models that the scene does not need, and on the wall time without them. `cost` [-] is this time
-/// divided by that with all models, and `within` is the margin (largest accepted shift) as text.
+/// Sentence on the models that the scene does not need, and on the wall time of a run without them. `cost` [-] is this
+/// wall time divided by that of the run with all models, and `within` is the margin (largest accepted shift) as text.
 fn conclusion(cheapest: &Factor, chosen: &[&PlannedFactor], cost: f64, within: &str) -> String {
     let without = chosen.iter().map(|planned| planned.title.as_str()).collect::<Vec<_>>().join(", ");
     let time = significant(Some(cost), 2);
@@ -237,8 +237,8 @@ mod tests {
         let small = |name: &str, share: f64| factor(name, share, Answer::Equivalent);
         let all = [small("lift", 0.003), small("drag", -0.003), small("spin", 0.003)];
         assert_eq!(names(&superfluous(&plan, &all, &runs, MARGIN)), ["drag", "spin", "lift"]);
-        // 0.6 % and 0.5 % together are beyond 1 %, whatever their signs; of these two, only the model that saves more
-        // time is left out
+        // the shifts of 0.6 % and 0.5 % add up to more than 1 %, whatever their signs; of these two models, only the
+        // one that saves more time is left out
         let all = [small("lift", 0.005), small("drag", -0.006), small("spin", 0.003)];
         assert_eq!(names(&superfluous(&plan, &all, &runs, MARGIN)), ["drag", "spin"]);
         let open = [factor("lift", 0.001, Answer::Unresolved), factor("drag", 0.5, Answer::Different)];

@@ -7,8 +7,8 @@ use crate::runs::{StudyError, span, start};
 use crate::study::calibration::timed;
 use std::fmt::Write;
 
-/// [-] largest share of a run that is timed to estimate its wall time. In a run with many collisions, this share takes
-/// seconds.
+/// [-] largest share of a run that is simulated on trial, to estimate the wall time of the run. With many collisions,
+/// the trial takes seconds.
 const TRIED: f64 = 0.02;
 
 /// Line for the user with the number of runs of the plan and their approximate wall time on `threads` threads.
@@ -34,7 +34,7 @@ pub fn line(plan: &SensitivityPlan, threads: usize) -> Result<String, StudyError
 }
 
 /// [s] wall time of all runs of the plan on one thread, with one replica (run with one seed) of each. It is estimated
-/// from a trial run with each collision model.
+/// from one trial for each collision model that occurs in the plan.
 fn time(plan: &SensitivityPlan) -> Result<f64, StudyError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let pool = pool.map_err(|why| StudyError::Input(format!("error: cannot start a thread: {why}")))?;
@@ -44,7 +44,7 @@ fn time(plan: &SensitivityPlan) -> Result<f64, StudyError> {
         let Some(first) = of().next() else { continue };
         let start = start(&first.experiment)?;
         let tried = pool.install(|| timed(&first.experiment, &start, TRIED));
-        // a trial that stops at once gives no information on the time of the other runs
+        // a trial that fails counts with the wall time until its failure, so the estimate is then too low
         times += of().count() as f64 * tried.seconds;
     }
     Ok(times)

@@ -27,9 +27,9 @@ const FEW: usize = 50;
 pub enum Compared {
     /// Difference of two runs: the run with the second index minus the run with the first index.
     Against(usize, usize),
-    /// Extrapolation of several runs to infinite stiffness, minus the first run. Each entry has the index of a run, and
-    /// its effect of softness divided by that of the first run [-]. The effect of softness is measured by the depth of
-    /// the overlaps. The ratio is 1 for the first run and 0 for infinite stiffness.
+    /// Result extrapolated from several runs to infinite stiffness, minus the result of the first run. Each entry has
+    /// the index of a run, and the depth of its overlaps divided by that of the first run [-]. The results are
+    /// extrapolated to the depth 0, which belongs to infinite stiffness.
     Extrapolated(Vec<(usize, f64)>),
 }
 
@@ -37,7 +37,7 @@ pub enum Compared {
 pub struct PlannedFactor {
     /// Name of the factor on the command line. A factor that the user defines has the name of its key.
     pub name: String,
-    /// Title of the factor in a sentence, such as "the stiffness".
+    /// Title of the factor (change of the case) in a sentence, such as "the stiffness".
     pub title: String,
     /// Runs that are compared for the factor.
     pub compared: Compared,
@@ -68,8 +68,7 @@ impl PlannedFactor {
     }
 
     /// Factor that compares the extrapolation of several runs to infinite stiffness with the first run. Each entry of
-    /// `runs` has the index of a run, and its effect of softness (measured by the depth of the overlaps) divided by
-    /// that of the first run [-].
+    /// `runs` has the index of a run, and the depth of its overlaps divided by that of the first run [-].
     pub fn extrapolated(runs: Vec<(usize, f64)>, change: String, why: String) -> Self {
         Self::new(Compared::Extrapolated(runs), change, why)
     }
@@ -91,7 +90,7 @@ impl PlannedFactor {
 
 /// One run of the study, with the changes of the case by which it is made.
 pub struct PlannedRun {
-    /// Experiment of the run, with the seed of the first replica.
+    /// Experiment of the run, with the seed of its first replica (run with one of several seeds).
     pub experiment: Experiment,
     /// Changes of the case, in the form in which a user types them.
     pub set: String,
@@ -111,7 +110,7 @@ pub struct SensitivityPlan<'a> {
     pub factors: Vec<PlannedFactor>,
     /// Factors that are not studied, each with the reason.
     pub left_out: Vec<OmittedFactor>,
-    /// Assumptions with which models were added to the case, as text for the report.
+    /// Assumptions that were made when models were added to the case, as text for the report.
     pub assumed: Vec<String>,
     /// Number of replicas (runs with different seeds) of each run.
     pub replicas: u16,
@@ -141,8 +140,8 @@ impl<'a> SensitivityPlan<'a> {
         Ok((plan, checked))
     }
 
-    /// Begins a plan whose first run is the experiment `reference` with the name `name`. `base` are changes of the case
-    /// that apply to all runs.
+    /// Begins a plan whose first run is the experiment `reference` with the name `name`. The list `base` has the
+    /// changes of the case that apply to all runs.
     ///
     /// # Errors
     /// Returns an error if the reference cannot have the requested number of replicas.
@@ -154,7 +153,7 @@ impl<'a> SensitivityPlan<'a> {
     ) -> Result<Self, StudyError> {
         let (seed, reference) = (args.runs.effort.seed, reference.clone());
         let placed = reference.start.iter().all(|population| matches!(population.amount, Amount::Placed(_)));
-        // replicas are refused before anything is planned
+        // if replicas are impossible for this case, the error is found before anything is planned
         replicas(&reference, args.runs.replicas.unwrap_or(1))?;
         let transient = fades(&reference) && !placed && reference.count() > FEW;
         let count = args.runs.replicas.unwrap_or(if transient { REPLICAS } else { 1 });
@@ -273,8 +272,8 @@ impl<'a> SensitivityPlan<'a> {
         self.enlist(experiment, sets.join(", ")).map_err(|why| why.to_string())
     }
 
-    /// Index of the run of the case with the changes `by`, which leave out models. The run is added to the plan unless
-    /// the plan has an equal run.
+    /// Index of the run of the case with the changes `by`, each of which leaves out one model. The run is added to the
+    /// plan unless the plan has an equal run.
     ///
     /// # Errors
     /// Returns the reason, as text, why the case refuses the changes.

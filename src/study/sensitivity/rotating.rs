@@ -16,8 +16,8 @@ const EQUAL_PERIODS: f64 = 0.2857;
 /// [-] rolling friction coefficient so small that its torque is below rounding errors.
 const NO_TORQUE: f64 = 1e-15;
 
-/// Plans the run without rotation or, if the spheres of the case do not rotate, a run with rotation. This factor has no
-/// size, so a `size` is an error.
+/// Plans the run without rotation or, if the spheres of the case do not rotate, a run with rotation. The change has no
+/// size that could be typed, so a `size` is an error.
 pub fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     no_size(size)?;
     let first = plan.first();
@@ -37,9 +37,9 @@ pub fn rotation(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planne
     Ok(PlannedFactor::against(first, run, change, "glass, Foerster et al. 1994"))
 }
 
-/// Plans the run with a changed tangential restitution β_0: that of the impact rule or, if the rule has none, that of
-/// the tangential spring. `size` is the new value as typed by the user; `None` means a change by the error of
-/// measurements.
+/// Plans the run with a changed tangential restitution β_0. It is the β_0 of the impact rule for hard spheres or, if
+/// this rule has none, that of the tangential spring of soft spheres. `size` is the new value as typed by the user;
+/// `None` means a change by the standard error of measurements.
 pub fn tangential_restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let Some(rotation) = plan.run(first).scene.rotation.clone() else { return Err("spheres do not rotate".into()) };
@@ -87,9 +87,9 @@ pub fn tangential_stiffness(plan: &mut SensitivityPlan, size: Option<&str>) -> R
     Ok(PlannedFactor::against(first, run, format!("k_t/k_n {} → {}", plain(own), plain(to)), why(size, usual)))
 }
 
-/// Plans the run with the rolling friction coefficient `size` [-]; without a `size`, the run has no rolling resistance.
-/// Coefficients that walls and pairs in the list `contact.pairs` give for themselves change with that of the law. If
-/// the case has no rolling resistance, a `size` is required, since no value is usual.
+/// Plans the run with the rolling friction coefficient `size` [-]; without a `size`, the run has no rolling
+/// resistance. Walls, and pairs in the list `contact.pairs`, that have coefficients of their own get the new
+/// coefficient too. If the case has no rolling resistance, a `size` is required, since no value is usual.
 pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor, String> {
     let first = plan.first();
     let reference = plan.run(first);
@@ -119,8 +119,8 @@ pub fn rolling(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
     ))
 }
 
-/// Names of the tables of walls, and of pairs in the list `contact.pairs`, that give a rolling friction coefficient for
-/// themselves.
+/// Names of the tables with a rolling friction coefficient of their own, among the tables of walls and of the pairs in
+/// the list `contact.pairs`.
 fn with_rolling_friction(plan: &SensitivityPlan) -> Vec<String> {
     let walls = plan.reference().scene.walls.iter().enumerate();
     let walls = walls.filter(|(_, wall)| wall.resistance.rolling.is_some()).map(|(k, _)| format!("walls[{k}]"));

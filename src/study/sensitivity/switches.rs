@@ -20,12 +20,12 @@ const BESIDE: [&str; 4] = ["integrator", "drag", "box", "seed"];
 /// Largest number of slices across the box in which the volume fraction is averaged, for drag in suspensions.
 const SLICES: f64 = 20.0;
 
-/// Result of an attempt to add one model to a case. With all models that are possible, the case becomes the richest
-/// case.
+/// Way to add one model to a case, or the reason why this is impossible. With all possible models, the case becomes
+/// the richest case.
 enum Richer {
     /// The case already has the model.
     Has,
-    /// Changes of keys, in the form `key=value`, that add the model, and the assumption behind their values as text.
+    /// Changes of keys, in the form `key=value`, that add the model. The text is the assumption behind the values.
     Sets(Vec<String>, String),
     /// Reason, as text, why the scene cannot have the model.
     No(&'static str),
@@ -290,8 +290,8 @@ impl<'a> SensitivityPlan<'a> {
         Ok((plan, checked))
     }
 
-    /// Plans the run without the model `switch`. `why` says how the model was added to the case; it is empty if the
-    /// case has the model as typed.
+    /// Plans the run without the model `switch`. The text `why` says how the model was added to the case. It is empty
+    /// if the user's case has the model already.
     fn leave_out(&mut self, switch: &Switch, why: String) {
         let simpler = (switch.simpler)(self);
         let name = match simpler.model {

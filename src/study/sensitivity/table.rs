@@ -54,7 +54,8 @@ impl SensitivityTable<'_> {
             Question::Needs => needs::sentences(&self.plan, &factors, &runs, self.margin),
         };
         let over: Vec<Outcome> = pooled.into_iter().flatten().collect();
-        // notes are made run by run, because the starts of the runs may differ on purpose
+        // notes are made for each run separately; a common note would say that the runs do not start from the same
+        // state, which may be on purpose
         let notes: Vec<String> = over.iter().flat_map(|one| notes(std::slice::from_ref(one))).collect();
         let left_out: &[OmittedFactor] = &self.plan.left_out;
         let study = SensitivityStudy {

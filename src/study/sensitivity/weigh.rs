@@ -8,9 +8,9 @@ use crate::statistics::{Answer, LEVEL, holm};
 use crate::study::judge::{ReplicaRuns, ShiftReference, Shifts, widened};
 
 /// Factors (changes of the case) whose runs are complete, with their shifts and answers, and the names of all other
-/// factors. Factors with a shift beyond the margin (largest accepted shift) come first, then unresolved ones; those
-/// whose run stopped come last. `outcomes` has the outcomes of each run by replica (run with its own seed), and
-/// `pooled` the outcome averaged over the replicas of a run.
+/// factors. Factors with a shift beyond the margin (largest accepted shift) come first, then unresolved ones; factors
+/// whose run stopped come last. `outcomes` has one outcome for each replica (run with its own seed) of each run.
+/// `pooled` has one outcome for each run, averaged over its replicas.
 pub fn factors(
     plan: &SensitivityPlan,
     pooled: &[Option<Outcome>],
@@ -105,14 +105,14 @@ fn split<'a>(weights: &[f64], runs: &[ReplicaRuns<'a>]) -> [Vec<(f64, ReplicaRun
 
 /// Straight line through values at given positions, fitted by least squares with equal weights.
 struct LineFit {
-    /// Weights of the values. The values multiplied by these weights add up to the value of the line at position 0
-    /// minus that at position 1, which is minus the slope.
+    /// Weights of the values. The weighted sum of the values is the value of the line at position 0 minus that at
+    /// position 1.
     to_zero: Vec<f64>,
-    /// Weights of three values. The values multiplied by these weights add up to the deviation of the second value from
-    /// the line through the first and the third.
+    /// Weights of three values. The weighted sum of the values is the deviation of the second value from the line
+    /// through the first and the third.
     miss: Vec<f64>,
-    /// [-] for three values: standard error of the slope divided by the deviation of the second value from the line
-    /// through the first and the third, if the values have no other error.
+    /// [-] standard error of the slope for three values that have no error but their distance from the fitted line. It
+    /// is divided by the deviation of the second value from the line through the first and the third.
     share: f64,
 }
 
@@ -127,8 +127,8 @@ impl LineFit {
             let part = (second - first) / (third - first);
             miss = vec![-(1.0 - part), 1.0, -part];
         }
-        // for three values, the sum of squared residuals is the squared deviation divided by the sum of the squared
-        // weights
+        // for three values, the sum of squared residuals of the fit is the square of the weighted sum of the values,
+        // divided by the sum of the squared weights `miss`
         let norm = miss.iter().map(|weight| weight * weight).sum::<f64>();
         Self { to_zero, miss, share: (1.0 / (norm * square)).sqrt() }
     }

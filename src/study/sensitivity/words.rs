@@ -57,7 +57,7 @@ pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<Str
 }
 
 /// Text of a shift, with its standard error and as a multiple of the margin (largest accepted shift). The shift is in
-/// per cent of the scale of the observable, by which it is divided.
+/// per cent of the scale of the observable (value by which its differences are divided).
 fn headline(shift: &Shift, margin: f64) -> String {
     let times = significant(shift.share().abs() / margin, 2);
     format!("{} by {}, {times} times the margin of {}", where_(shift), share(shift), margin_in_words(margin))
@@ -71,7 +71,7 @@ fn where_(shift: &Shift) -> String {
     if name.starts_with("the ") { name + &at } else { format!("the {name}{at}") }
 }
 
-/// [-] largest shift, divided by its scale, that is attributed to rounding.
+/// [-] largest shift that is attributed to rounding, divided by the scale of its observable.
 const ROUNDING: f64 = 1e-9;
 
 /// Text of a shift with its standard error, both in per cent of the scale of the observable; "nothing" if both are
@@ -93,7 +93,8 @@ pub(super) fn in_size(factor: &Factor) -> String {
     factor.headline().map_or(String::new(), |shift| format!(" ({})", size(shift)))
 }
 
-/// List of the titles of factors, each with the text that the function `say` makes of its most important shift.
+/// List of the titles of factors (changes of the case), each with the text that the function `say` makes of its most
+/// important shift.
 fn list(factors: &[&Factor], say: &dyn Fn(&Shift) -> String) -> String {
     let one = |factor: &&Factor| {
         let said = factor.headline().map_or(String::new(), |shift| format!(" ({})", say(shift)));

@@ -3,13 +3,13 @@
 use crate::output::{ValidationNumber, ValidationRule};
 use crate::statistics::{Answer, Deviation, EQUIVALENCE_LEVEL, LEVEL, holm};
 
-/// Degrees of freedom of a standard error that a source states without the number of runs. With so many, Student's
-/// distribution is the normal distribution within 0.2 %.
+/// Assumed degrees of freedom of a standard error whose source does not state the number of runs. With so many,
+/// Student's distribution equals the normal distribution within 0.2 %.
 const STATED: f64 = 1000.0;
 
-/// Sets the answers of the numbers of one row of a suite with `rows` rows. The probability of any false difference in
-/// the whole suite is at most 1 %. Each row has an equal share of this probability, which Holm's procedure divides
-/// among the numbers of the row.
+/// Sets the answers (such as "equivalent") of the numbers in one row of a suite with `rows` rows (comparisons). The
+/// probability of any false difference in the whole suite is at most 1 %. Each row has an equal share of this
+/// probability, which Holm's procedure divides among the numbers of the row.
 pub fn judge_numbers(numbers: &mut [ValidationNumber], rows: usize) {
     let deviations: Vec<Deviation> = numbers.iter().map(deviation).collect();
     let chances: Vec<f64> = deviations.iter().map(Deviation::chance).collect();
@@ -30,7 +30,7 @@ pub fn judge_numbers(numbers: &mut [ValidationNumber], rows: usize) {
     }
 }
 
-/// Result minus reference, with its standard error and the degrees of freedom of Welch (1947).
+/// Result minus reference, with the standard error of this difference and its degrees of freedom by Welch (1947).
 fn deviation(number: &ValidationNumber) -> Deviation {
     let found = number.difference();
     let (a, b) = (number.ours.error.unwrap_or(0.0).powi(2), number.reference.error.unwrap_or(0.0).powi(2));
@@ -60,8 +60,8 @@ mod tests {
     #[test]
     fn a_reading_error_leaves_a_small_difference_unresolved() {
         assert_eq!(answer(read_off("n", "", (1.0, 0.01), 1.02, 0.05)), Answer::Equivalent);
-        // the deviation 0.035 plus 1.65 standard errors is beyond the margin (largest accepted difference), and a
-        // difference needs 3.6 standard errors
+        // the deviation 0.035 plus 1.65 standard errors exceeds the margin (largest accepted difference), so
+        // equivalence is not shown. The answer "different" needs a deviation of 3.6 standard errors
         assert_eq!(answer(read_off("n", "", (1.0, 0.01), 1.035, 0.05)), Answer::Unresolved);
         assert_eq!(answer(read_off("n", "", (1.0, 0.01), 1.06, 0.05)), Answer::Different);
     }
@@ -78,8 +78,8 @@ mod tests {
 
     #[test]
     fn many_numbers_of_a_row_share_the_chance_of_a_false_difference() {
-        // 3.6 standard errors have a chance of 3e-4 for one number, below the level 0.01/30, but not below the level
-        // for five numbers
+        // a deviation of 3.6 standard errors has a probability of 3e-4 by chance. This is below the level 0.01/30 for
+        // one number, but not below the level for five numbers
         let number = || read_off("n", "", (0.0, 1.0), 3.61, 0.1);
         let mut one = [number()];
         judge_numbers(&mut one, 30);

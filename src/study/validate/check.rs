@@ -10,7 +10,7 @@ use crate::simulation::Simulation;
 use crate::statistics::{Answer, Estimate};
 use rayon::prelude::*;
 
-/// Row of the validation suite: a description of the comparison, and the function that runs its scene.
+/// Row of the validation suite: the description of a comparison, and the function that runs its scene.
 pub struct ValidationCheck {
     /// Name of the row (comparison of the suite) on the command line (`--only`) and in the report.
     pub name: &'static str,
@@ -22,7 +22,7 @@ pub struct ValidationCheck {
     pub scene: &'static str,
     /// Source of the reference value, with the place in the source.
     pub source: &'static str,
-    /// Sentence on effects that the comparison does not test.
+    /// Text on effects that the comparison does not test, for the report.
     pub not_shown: &'static str,
     /// True if the comparison takes minutes. The option `--quick` leaves out such comparisons.
     pub takes_minutes: bool,

@@ -92,7 +92,7 @@ fn restitution(scene: &CheckScene) -> Result<CheckResult, StudyError> {
         let mut simulation = scene.simulation(Model::Soft, None, &sets)?;
         run_to(&mut simulation, 1e-4, 1)?;
         let found = simulation.particles.velocity[0].y / 3.9;
-        // the tolerance is that of fourth-order local steps, 200 per contact
+        // the tolerance covers the error of local time steps of fourth order, 200 per contact
         numbers.push(exact(format!("e = {asked}"), "", asked, found, 1e-3));
     }
     Ok(numbers.into())
@@ -335,7 +335,7 @@ fn opposite_spins(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(vec![
         exact("spin", "rad/s", 21.0, particles.spin_of(0).z, 1e-12),
         exact("velocity across", "m/s", 0.0, particles.velocity[0].y, 1e-15),
-        // the tolerance is that of 200 steps per contact
+        // the tolerance covers the error of 200 time steps per contact
         exact("velocity along", "m/s", -0.1, particles.velocity[0].x, 1e-4),
     ]
     .into())

@@ -46,18 +46,20 @@ fn rate_at(v: f64) -> f64 {
 /// divided by that of Haff's law. `ratio` [-] is t_c divided by the mean time between two collisions of a sphere, and
 /// `loss` [-] is 1 - e² with the restitution e.
 ///
-/// A sphere that collides changes its speed. Spheres of one speed collide at the rate ν. In a steady gas, as many
-/// spheres get this speed by a collision as lose it. So the share exp(-ν t_c) of them has not collided during the last
-/// time t_c. In a cooling gas the number f of these spheres changes, and spheres get this speed at the rate ν + d(ln
-/// f)/dt per sphere. For a Maxwellian with speed v and granular temperature T the second term is (v²/(2T) - 3/2) d(ln
+/// A collision changes the speed of a sphere. Spheres of one speed v collide at the rate ν. In a steady gas,
+/// collisions give this speed to as many spheres as they take it from. So the share exp(-ν t_c) of the spheres of this
+/// speed has not collided during the last time t_c. In a cooling gas the number f of spheres of this speed changes, so
+/// ν is replaced by ν + d(ln f)/dt. For a Maxwellian of granular temperature T the second term is (v²/(2T) - 3/2) d(ln
 /// T)/dt.
 fn share_of_loss(ratio: f64, loss: f64) -> f64 {
-    // each repetition multiplies the error by about (1 - e²) times `ratio`
+    // the rate of cooling depends on the result itself, so both are computed by repetition; each repetition multiplies
+    // the error by about (1 - e²) times `ratio`
     (0..4).fold(1.0, |share, _| share_with_cooling(ratio, loss * share / 3.0))
 }
 
-/// [-] rate of energy loss in the TC model (elastic collisions in quick succession), divided by that of Haff's law. It
-/// is valid for a given rate of cooling: `cooling` [-] is -d(ln T)/dt divided by the collision rate of a sphere.
+/// [-] rate of energy loss in the TC model (elastic collisions in quick succession), divided by that of Haff's law.
+/// The rate of cooling is given: `cooling` [-] is -d(ln T)/dt divided by the collision rate of a sphere, with the
+/// granular temperature T.
 fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
     let step = FASTEST / POINTS as f64;
     let speeds: Vec<f64> = (0..POINTS).map(|k| (k as f64 + 0.5) * step).collect();
@@ -79,8 +81,8 @@ fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
 /// [-] temperature ratio T(t)/T(0) at the `times` [s], by the theory of the TC model (elastic collisions in quick
 /// succession). `rate` [1/s] is the collision rate of a sphere at the start.
 fn theory(restitution: f64, rate: f64, times: &[f64]) -> Vec<f64> {
-    /// Number of time steps from one of the times to the next, with which the classical Runge-Kutta method is exact to
-    /// 1e-9.
+    /// Number of time steps from one of the `times` to the next. With so many steps the classical Runge-Kutta method
+    /// has an error below 1e-9.
     const STEPS: usize = 20;
     let loss = 1.0 - restitution * restitution;
     let slope = |t: f64| -loss * rate * t.sqrt() * t / 3.0 * share_of_loss(RATIO * t.sqrt(), loss);

@@ -218,7 +218,7 @@ fn rough(scene: &CheckScene) -> Result<CheckResult, StudyError> {
 }
 
 /// Measured granular temperature T and rotational temperature T_r [-], both divided by the mean of the initial T and
-/// T_r. There is one entry after each number of collisions per sphere in [`MONTE_CARLO`], and one after 20 collisions.
+/// T_r. Each entry belongs to a number of collisions per sphere: first those of [`MONTE_CARLO`], then 20.
 fn temperatures(simulation: &mut Simulation) -> Result<Vec<[f64; 2]>, StudyError> {
     let both = |simulation: &Simulation| {
         let particles = &simulation.particles;

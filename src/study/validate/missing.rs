@@ -3,8 +3,8 @@
 
 use crate::output::NotValidated;
 
-/// All comparisons that are not made, each with its reference and with what it would need. The references are known to
-/// exist, but were not read.
+/// All comparisons that are not made, each with its reference and with the things that are missing for it. The
+/// references are known to exist, but were not read.
 pub const MISSING: &[NotValidated] = &[
     NotValidated {
         name: "simple shear, hard spheres",

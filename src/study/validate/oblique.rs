@@ -39,9 +39,9 @@ pub(super) fn rebound(scene: &CheckScene, angle: f64, sets: &[String]) -> Result
     })
 }
 
-/// Result of MFIX for one impact. It has the angle [°] between the velocity before the impact and the normal, then the
-/// ratio of the velocities along the plate after and before [-], then the spin after the impact [rad/s]. The numbers
-/// are those of the columns "Part-Wall" in MFIX's files `POST_COEFF.dat` and `POST_OMEGA.dat`.
+/// Result of MFIX for one impact, as three numbers: the angle [°] between the velocity before the impact and the
+/// normal, the velocity along the plate after the impact over that before [-], and the spin after the impact [rad/s].
+/// The numbers are those of the columns "Part-Wall" in MFIX's files `POST_COEFF.dat` and `POST_OMEGA.dat`.
 type StoredImpact = (f64, f64, f64);
 
 const LINEAR: [StoredImpact; 6] = [

@@ -23,8 +23,8 @@ const SPRINGS: [f64; 5] = [-0.13227948, -0.07532917, -0.03101083, 0.29621775, 0.
 
 fn cradle(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let mut numbers = Vec::new();
-    // error of second order in ω_0 Δt = π/200 (angular frequency ω_0 of a contact, time step Δt): 2.5e-4 of the speed,
-    // for each simultaneous contact of a ball
+    // the method is of second order in ω_0 Δt = π/200 (angular frequency ω_0 of a contact, time step Δt). Its error is
+    // 2.5e-4 of the speed for each contact that a ball has at the same time
     for (model, name, expected, tolerance) in
         [(Model::Soft, "springs", SPRINGS, 1e-3), (Model::Hard, "hard", [0.0, 0.0, 0.0, 0.0, 1.0], 1e-12)]
     {

@@ -28,8 +28,8 @@ pub const SLIDE_TO_ROLL: ValidationCheck = ValidationCheck {
 
 fn slide_to_roll(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     let (speed, radius, gravity) = (0.1, 5e-4, 9.81);
-    // overlap m g/k at rest (mass m, gravity g, stiffness k), so that the ball does not oscillate: 5.2360e-6 kg and 10
-    // kN/m
+    // overlap m g/k at rest, with which the ball does not oscillate: mass m = 5.2360e-6 kg, gravity g, stiffness k =
+    // 10 kN/m
     let sunk = 4.0 / 3.0 * std::f64::consts::PI * radius * radius * radius * 1e4 * gravity / 1e4;
     let (mut numbers, mut series) = (Vec::new(), Vec::new());
     for (place, friction) in [0.2, 0.5, 1.0].into_iter().enumerate() {
@@ -50,9 +50,9 @@ fn slide_to_roll(scene: &CheckScene) -> Result<CheckResult, StudyError> {
             }
         }
         let [velocity, surface] = rolling(&simulation, radius);
-        // when sliding ends, the stretched spring causes an oscillation of the amplitude μ g sqrt(m/(3.5 k_t)), here
-        // 1e-4 of the speed, which its dashpot damps. The symbols are: coefficient of friction μ, gravity g, mass m,
-        // stiffness k_t of the spring
+        // when sliding ends, the tangential spring is still stretched, so the ball oscillates until the dashpot has
+        // damped the oscillation. Its amplitude μ g sqrt(m/(3.5 k_t)) is 1e-4 of the speed here (coefficient of
+        // friction μ, gravity g, mass m, stiffness k_t of the spring)
         let tolerance = 1e-4 * speed;
         numbers.push(exact(format!("v at t_s/2, μ = {friction}"), "m/s", 6.0 / 7.0 * speed, halfway, tolerance));
         numbers.push(exact(format!("v at 2 t_s, μ = {friction}"), "m/s", 5.0 / 7.0 * speed, velocity, tolerance));
