@@ -431,7 +431,7 @@ fn time(kept: &StoredRun) -> String {
     numbers::significant(kept.pause.snapshot.time, 6)
 }
 
-/// Returns an error if the case or the variants of a command have changed since the command began.
+/// Returns an error if the case or the variants (experiments) of a command have changed since the command began.
 fn refuse_changes(earlier: &StoredCommand, now: &StoredCommand, case: &Case) -> Result<(), StudyError> {
     let path = case.path.display();
     let refuse = |what: String| {

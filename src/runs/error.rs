@@ -38,15 +38,15 @@ impl From<OutputError> for StudyError {
     }
 }
 
-/// Returns an error if the run of at least one variant failed. `variants` gives the name of each variant, and its
-/// failure if there is one.
+/// Returns an error if the run of at least one variant (experiment of a case) failed. `variants` gives the name of
+/// each variant, and its failure if there is one.
 pub fn failures_of<'a>(variants: impl Iterator<Item = (&'a str, Option<&'a Failure>)>) -> Result<(), StudyError> {
     let failed: Vec<String> =
         variants.filter_map(|(name, why)| Some(format!("error: \"{name}\" stopped: {}", why?))).collect();
     if failed.is_empty() { Ok(()) } else { Err(StudyError::Failed(failed.join("\n"))) }
 }
 
-/// Returns an error if at least one outcome of a command contains a failure.
+/// Returns an error if at least one outcome (result of a run) contains a failure.
 pub fn failures(outcomes: &[Outcome]) -> Result<(), StudyError> {
     failures_of(outcomes.iter().map(|o| (o.experiment.name.as_str(), o.failure.as_ref())))
 }

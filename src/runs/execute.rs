@@ -22,9 +22,9 @@ use crate::stored::StoreError;
 use crate::work_sharing::keep_workers_spinning;
 use std::sync::Arc;
 
-/// Runs a variant from the particles `start` to its end or to a failure; a failure is a part of the outcome. `others`
-/// are observers (measurements during the run) in addition to the standard ones. Returns the outcome and the final
-/// state of the particles in the order of ids.
+/// Runs a variant (experiment of a case) from the particles `start` to its end or to a failure; a failure is a part of
+/// the outcome. `others` are observers (measurements during the run) in addition to the standard ones. Returns the
+/// outcome and the final state of the particles in the order of ids.
 pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn Observer]) -> (Outcome, Particles) {
     // the whole loop runs on a thread of the pool, because a thread outside the pool would sleep and be woken at every
     // parallel loop
@@ -42,9 +42,10 @@ pub fn execute(experiment: &Experiment, start: Particles, others: &mut [&mut dyn
     })
 }
 
-/// Runs a variant like [`execute`], with a checkpointer that stores the state of the run at intervals and may stop the
-/// run. If a state is stored, the run continues from this state. A run that has ended is not repeated. Returns the
-/// outcome and the final state of the particles; the state is empty if `shared` does not request the final state.
+/// Runs a variant (experiment of a case) like [`execute`], with a checkpointer that stores the state of the run at
+/// intervals and may stop the run. If a state is stored, the run continues from this state. A run that has ended is
+/// not repeated. Returns the outcome and the final state of the particles; the state is empty if `shared` does not
+/// request the final state.
 ///
 /// If `shared` is given, all processes share the run. This process is the lead, and first sends the index of the run
 /// to the other processes.

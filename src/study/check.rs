@@ -56,7 +56,8 @@ pub fn check(args: &Check) -> Result<(), StudyError> {
 /// Text that `check` prints for a case.
 ///
 /// # Errors
-/// Returns the mistake in the case: no model can run it, or a variant that the case names cannot run.
+/// Returns the mistake in the case: no model can run the case, or one of the variants (experiments) that the case
+/// names cannot run.
 pub fn check_text(case: &Case) -> Result<String, Diagnostic> {
     Ok(CheckReport::of(case)?.text())
 }
@@ -87,7 +88,8 @@ struct Varied {
     values: Vec<String>,
 }
 
-/// One variant of the case, with its time step, contact times and windows (times between two exchanges with the gas).
+/// One variant (experiment) of the case, with its time step, contact times and windows (times between two exchanges
+/// with the gas).
 #[derive(Serialize)]
 struct CheckedVariant {
     name: String,
@@ -119,8 +121,8 @@ struct CheckedVariant {
 }
 
 impl CheckReport {
-    /// Examines a case: its scene, its variants, their time steps and the obstacles to their runs. If `run` accepts a
-    /// case that `compare` cannot run, the report gives the reason.
+    /// Examines a case: its scene, its variants (experiments), the time steps of the variants, and obstacles to their
+    /// runs. If `run` accepts a case that `compare` cannot run, the report gives the reason.
     fn of(case: &Case) -> Result<Self, Diagnostic> {
         let sweep = varied(case)?;
         let (run, variants) = (case.experiment(None, None), case.variants(None));
@@ -231,8 +233,8 @@ impl CheckedVariant {
         }
     }
 
-    /// Text of one variant for the terminal: contact law, time step, contact times, and the number and lengths of its
-    /// windows (times between two exchanges with the gas).
+    /// Text of one variant (experiment of a case) for the terminal: contact law, time step, contact times, and the
+    /// number and lengths of its windows (times between two exchanges with the gas).
     fn text(&self) -> String {
         let mut text = String::new();
         if let (Some(law), Some(step), Some(steps)) = (&self.contact_law, self.time_step, self.steps) {

@@ -15,17 +15,17 @@ use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share
 use crate::statistics::{Answer, ErrorLevels};
 use std::ops::Range;
 
-/// Number of further replicas (runs with different seeds) of each variant from one interim test of `--until-decided` to
-/// the next. Four replicas of each of two variants give Student's t 6 degrees of freedom.
+/// Number of further replicas (runs with different seeds) of each variant (experiment of a case) from one interim test
+/// of `--until-decided` to the next. Four replicas of each of two variants give Student's t 6 degrees of freedom.
 const PIECE: usize = 4;
 
-/// Largest number of replicas (runs with different seeds) of each variant with `--until-decided` but without
-/// `--replicas`: sixteen tests of 4 further replicas each.
+/// Largest number of replicas (runs with different seeds) of each variant (experiment of a case) with
+/// `--until-decided` but without `--replicas`: sixteen tests of 4 further replicas each.
 const MOST: usize = 64;
 
-/// Begins or resumes the runs of all variants of a case, and writes their results to one folder. Runs that are complete
-/// are not repeated. Returns one answer for all comparisons of the variants; `None` if there is a single variant, or if
-/// this is a helper process of a command with several processes.
+/// Begins or resumes the runs of all variants (experiments) of a case, and writes their results to one folder. Runs
+/// that are complete are not repeated. Returns one answer for all comparisons of the variants; `None` if there is a
+/// single variant, or if this is a helper process of a command with several processes.
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or for failures of engines, after everything has been
@@ -64,9 +64,11 @@ pub fn compare(args: &Compare, origin: CommandOrigin, ranks: &Ranks) -> Result<O
 /// the results so far. All tests but the last are interim tests, after which more replicas may follow.
 #[derive(Clone, Copy, Debug)]
 struct Looks {
-    /// Number of further replicas (runs with different seeds) of each variant from one test to the next.
+    /// Number of further replicas (runs with different seeds) of each variant (experiment of a case) from one test to
+    /// the next.
     piece: usize,
-    /// Largest number of replicas (runs with different seeds) of each variant, reached at the last test.
+    /// Largest number of replicas (runs with different seeds) of each variant (experiment of a case), reached at the
+    /// last test.
     most: usize,
 }
 
@@ -84,14 +86,15 @@ impl Looks {
         self.most.div_ceil(self.piece)
     }
 
-    /// Number of replicas (runs with different seeds) of each variant that are complete at the test with number `look`,
-    /// counted from 1.
+    /// Number of replicas (runs with different seeds) of each variant (experiment of a case) that are complete at the
+    /// test with number `look`, counted from 1.
     fn replicas(self, look: usize) -> usize {
         (look * self.piece).min(self.most)
     }
 
-    /// Indices of the replicas (runs with different seeds) of each variant that are added for the test with number
-    /// `look`, counted from 1. Index 0 is left out: it is the first run of the variant, which is done earlier.
+    /// Indices of the replicas (runs with different seeds) of each variant (experiment of a case) that are added for
+    /// the test with number `look`, counted from 1. Index 0 is left out: it is the first run of the variant, which is
+    /// done earlier.
     fn range(self, look: usize) -> Range<usize> {
         self.replicas(look - 1).max(1)..self.replicas(look)
     }
@@ -108,8 +111,9 @@ struct VariantComparison<'a> {
 }
 
 impl VariantComparison<'_> {
-    /// Runs the replicas (runs with different seeds) of a variant that the test with number `look` requires. If the
-    /// user stops the command, the results so far are written, and an error that says so is returned.
+    /// Runs the replicas (runs with different seeds) of a variant (experiment of a case) that the test with number
+    /// `look` requires. If the user stops the command, the results so far are written, and an error that says so is
+    /// returned.
     fn run_replicas(&mut self, variant: usize, look: usize) -> Result<(), StudyError> {
         if self.results.run_replicas(variant, self.looks.range(look))? {
             return Ok(());
@@ -119,8 +123,8 @@ impl VariantComparison<'_> {
     }
 
     /// Writes the results so far, judged with the error levels (probabilities of wrong answers) of the test with
-    /// number `look`. This is done after every variant and every test, so that results remain if the command is
-    /// stopped.
+    /// number `look`. This is done after every variant (experiment of a case) and every test, so that results remain
+    /// if the command is stopped.
     fn write_part(&self, look: usize) -> Result<(), StudyError> {
         self.results.write(&self.judged(look), false).map(drop)
     }
@@ -151,8 +155,8 @@ impl VariantComparison<'_> {
     }
 }
 
-/// True if the comparison can end: no comparison of two variants is unresolved, or a replica (run with another seed) of
-/// some variant stopped early.
+/// True if the comparison can end: no comparison of two variants (experiments of a case) is unresolved, or a replica
+/// (run with another seed) of some variant stopped early.
 fn is_decided(findings: &VariantFindings) -> bool {
     let stopped = findings.outcomes.iter().any(|one| one.failure.is_some());
     stopped || findings.comparisons.iter().all(|one| one.answer != Answer::Unresolved)

@@ -214,8 +214,8 @@ fn summary(fluid: &Fluid, height: f64) -> FluidSummary {
     }
 }
 
-/// Gas profiles of the variants of a case, each with the name of the first variant that has this gas. Empty if all
-/// variants have the same gas or none.
+/// Gas profiles of the variants (experiments) of a case, each with the name of the first variant that has this gas.
+/// Empty if all variants have the same gas or none.
 fn gases(case: &Case) -> Vec<(String, Profile)> {
     let mut gases: Vec<(String, Profile)> = Vec::new();
     for (experiment, _) in case.variants(None).unwrap_or_default() {

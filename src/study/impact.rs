@@ -39,7 +39,7 @@ pub(super) struct ImpactPair {
     diameter: f64,
 }
 
-/// Simulates the impact with each variant of the case and writes the results to one folder.
+/// Simulates the impact with each variant (experiment) of the case and writes the results to one folder.
 ///
 /// # Errors
 /// Returns an error for bad input, before anything is computed, or for failures of engines, after everything has been
@@ -103,8 +103,8 @@ fn notes(surface: &Surface) -> Vec<String> {
     notes
 }
 
-/// Sentences on the oblique impacts, one for each variant after the first. A sentence gives the largest difference of
-/// the tangential impulses of this variant and the first one.
+/// Sentences on the oblique impacts, one for each variant (experiment of a case) after the first. A sentence gives the
+/// largest difference of the tangential impulses of this variant and the first one.
 fn differences(study: &ObliqueStudy) -> Vec<String> {
     let first = &study.curves[0].name;
     let sentence = |k: usize| {
@@ -231,8 +231,8 @@ pub(super) fn point(scene: &Scene, particles: &Particles, meeting: &ImpactPair, 
     PathPoint { time, gap, normal_velocity }
 }
 
-/// Simulates the impact with one variant. Gap and normal velocity are stored after every window (piece of the run). A
-/// window is one time step for soft spheres, else a 400th of the run.
+/// Simulates the impact with one variant (experiment of a case). Gap and normal velocity are stored after every window
+/// (piece of the run). A window is one time step for soft spheres, else a 400th of the run.
 fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -> Bounce {
     let scene = &experiment.scene;
     let duration = experiment.run.duration;

@@ -58,8 +58,8 @@ const MEASURED: [(f64, f64); 8] = [
 /// [-] coefficient of friction of the surfaces in the measured impacts (MFIX DEM05).
 const MEASURED_FRICTION: f64 = 0.092;
 
-/// Oblique impacts of the two bodies with each variant, at the normal speed `speed` [m/s] of the case. `None` if there
-/// is no rotation, no friction or no approach.
+/// Oblique impacts of the two bodies with each variant (experiment of a case), at the normal speed `speed` [m/s] of
+/// the case. `None` if there is no rotation, no friction or no approach.
 pub(super) fn oblique(
     variants: &[(&Experiment, &Particles)],
     meeting: &ImpactPair,

@@ -26,8 +26,8 @@ const LARGEST_OVERLAP: f64 = 0.1;
 /// (docs/theory/softness.md).
 const SOFTNESS: f64 = 0.005;
 
-/// Makes the trust sheet (checks of reliability) of the outcome of one variant. `halved_step` is the comparison with a
-/// run whose time step is half as long.
+/// Makes the trust sheet (checks of reliability) of the outcome of one variant (experiment of a case). `halved_step`
+/// is the comparison with a run whose time step is half as long.
 pub fn trust_sheet(outcome: &Outcome, halved_step: HalvedStep) -> TrustSheet {
     let mut checks = vec![completed(outcome), escapes(outcome)];
     checks.extend(restitutions(outcome));

@@ -24,15 +24,16 @@ use std::sync::Arc;
 
 /// Variants of a case that a command runs, with the number of their runs.
 pub struct Variants {
-    /// Case from which the variants are made.
+    /// Case from which the variants (experiments of a case) are made.
     pub case: Case,
     /// Experiment of each variant, with the warnings about it for the user.
     pub checked: Vec<Checked>,
-    /// Number of runs of each variant; the runs differ in their seeds.
+    /// Number of runs of each variant (experiment of a case); the runs differ in their seeds.
     pub replicas: u16,
-    /// Settings of the trajectories of the first run of each variant; `None` if no trajectories are written.
+    /// Settings of the trajectories of the first run of each variant (experiment of a case); `None` if no trajectories
+    /// are written.
     pub trajectories: Option<Trajectories>,
-    /// True if a test with half the time step follows the first run of each variant.
+    /// True if a test with half the time step follows the first run of each variant (experiment of a case).
     pub verify: bool,
 }
 
@@ -59,8 +60,8 @@ impl Variants {
         )))
     }
 
-    /// Number of particles of the variant with the fewest particles, at least 1. Particles that inlets are expected to
-    /// bring are included.
+    /// Number of particles of the variant (experiment of a case) with the fewest particles, at least 1. Particles that
+    /// inlets are expected to bring are included.
     fn fewest_particles(&self) -> usize {
         self.experiments().map(|experiment| experiment.expected_count().max(1.0) as usize).min().unwrap_or(1)
     }
@@ -71,8 +72,8 @@ impl Variants {
         mark_of_experiments(self.experiments())
     }
 
-    /// Runs of all variants, variant by variant. The first run of a variant is done alone, so that its wall time is
-    /// meaningful. The replicas (runs with different seeds) of the variant follow.
+    /// Runs of all variants (experiments of a case), variant by variant. The first run of a variant is done alone, so
+    /// that its wall time is meaningful. The replicas (runs with different seeds) of the variant follow.
     fn runs(&self, ranks: &Ranks) -> Result<Vec<ResumableRun>, StudyError> {
         let names = file_names(self.experiments().map(|experiment| experiment.name.as_str()));
         let mut runs = Vec::new();
@@ -87,8 +88,8 @@ impl Variants {
         Ok(runs)
     }
 
-    /// Initial state of the first run of each variant. If all processes share the runs, each process makes only its
-    /// part of the particles.
+    /// Initial state of the first run of each variant (experiment of a case). If all processes share the runs, each
+    /// process makes only its part of the particles.
     fn starts(&self, ranks: &Ranks) -> Result<Vec<Start>, StudyError> {
         if ranks.count() == 1 {
             self.experiments().try_for_each(refuse_too_large)?;
@@ -111,30 +112,31 @@ pub struct VariantResults<'a> {
     executor: Executor<'a>,
     provenance: Provenance,
     parameters: Vec<Value>,
-    /// Outcomes of all complete replicas (runs with different seeds) of each variant.
+    /// Outcomes of all complete replicas (runs with different seeds) of each variant (experiment of a case).
     pub runs: Vec<Vec<Outcome>>,
     sheets: Vec<TrustSheet>,
     frames: Vec<Frames>,
 }
 
-/// Results of the variants in the form in which they are written to a report.
+/// Results of the variants (experiments of a case) in the form in which they are written to a report.
 #[derive(Default)]
 pub struct VariantFindings {
-    /// Outcome of each variant, averaged over its replicas (runs with different seeds).
+    /// Outcome of each variant (experiment of a case), averaged over its replicas (runs with different seeds).
     pub outcomes: Vec<Outcome>,
-    /// Comparisons of the variants with their references, each with an answer.
+    /// Comparisons of the variants (experiments of a case) with their references, each with an answer.
     pub comparisons: Vec<Verdict>,
     /// Sentences of the report: first the answers of the comparisons, then further sentences.
     pub verdicts: Vec<String>,
-    /// Settings by which the variants differ from one another, as typed in the case.
+    /// Settings by which the variants (experiments of a case) differ from one another, as typed in the case.
     pub overrides: Vec<String>,
     /// Sentences on the limits of the reliability of the results.
     pub notes: Vec<String>,
 }
 
 impl<'a> VariantResults<'a> {
-    /// Prepares the runs of the variants; `scene` is a description of their scene. In a helper process (any process
-    /// but the first), the call does runs for the first process until the command ends, and then returns `None`.
+    /// Prepares the runs of the variants (experiments of a case); `scene` is a description of their scene. In a helper
+    /// process (any process but the first), the call does runs for the first process until the command ends, and then
+    /// returns `None`.
     ///
     /// # Errors
     /// Returns an error if the scene is too crowded to start, and the errors of [`Executor::begin`].
@@ -162,8 +164,8 @@ impl<'a> VariantResults<'a> {
         Rc::clone(&self.executor.folder)
     }
 
-    /// Does the first run of the next variant, with `observers` (measurements during the run) in addition to the
-    /// standard ones. Returns the final state of the run, which [`check`](Self::check) needs.
+    /// Does the first run of the next variant (experiment of a case), with `observers` (measurements during the run)
+    /// in addition to the standard ones. Returns the final state of the run, which [`check`](Self::check) needs.
     ///
     /// # Errors
     /// Returns an error if the run cannot begin, if its state cannot be stored, or if the stored state belongs to
@@ -182,9 +184,9 @@ impl<'a> VariantResults<'a> {
         Ok(end)
     }
 
-    /// Makes the trust sheet (checks of reliability) of the variant that was run most recently; `end` is the final
-    /// state of its first run. The test with half the time step is done first if the user has asked for it
-    /// (`--verify`).
+    /// Makes the trust sheet (checks of reliability) of the variant (experiment of a case) that was run most recently;
+    /// `end` is the final state of its first run. The test with half the time step is done first if the user has asked
+    /// for it (`--verify`).
     ///
     /// # Errors
     /// Returns an error if the stored state of the test with half the time step belongs to another run.
@@ -199,9 +201,9 @@ impl<'a> VariantResults<'a> {
         Ok(())
     }
 
-    /// Does the replicas (runs with different seeds) of a variant with the indices `range`, several at once; index 0 is
-    /// its first run. Returns false if the user has stopped the command. Replicas that are not complete are then left
-    /// out.
+    /// Does the replicas (runs with different seeds) of a variant (experiment of a case) with the indices `range`,
+    /// several at once; index 0 is its first run. Returns false if the user has stopped the command. Replicas that are
+    /// not complete are then left out.
     ///
     /// # Errors
     /// Returns an error if a replica cannot begin, if its stored state belongs to another run, or if no thread can be
@@ -224,7 +226,7 @@ impl<'a> VariantResults<'a> {
         Ok(!self.executor.checkpointer.is_stopped())
     }
 
-    /// Error of a command that the user has stopped during the runs of a variant.
+    /// Error of a command that the user has stopped during the runs of a variant (experiment of a case).
     pub fn stopped(&self, variant: usize) -> StudyError {
         self.executor.checkpointer.stop_error(&self.variants.checked[variant].0.name)
     }
@@ -252,15 +254,15 @@ impl<'a> VariantResults<'a> {
     /// Ends the command after all results have been written, and prints `sentences` and the path of the report.
     ///
     /// # Errors
-    /// Returns an error if the run of a variant failed, or if a stored state cannot be removed.
+    /// Returns an error if the run of a variant (experiment of a case) failed, or if a stored state cannot be removed.
     pub fn finish(self, findings: &VariantFindings, sentences: &[String], report: &Path) -> Result<(), StudyError> {
         self.executor.finish(sentences, report)?;
         failures(&findings.outcomes)
     }
 }
 
-/// Names of files for the variants: the names of the variants in characters that any system accepts. No two of them are
-/// equal.
+/// Names of files for the variants (experiments of a case): the names of the variants in characters that any system
+/// accepts. No two of them are equal.
 fn file_names<'a>(variants: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for variant in variants {

@@ -51,7 +51,8 @@ impl Outlook {
         Ok(())
     }
 
-    /// Sets the progress back to the first run: the runs begin, or begin again with another reference method.
+    /// Sets the progress back to the first run. This is needed when the runs begin, or begin again with another
+    /// reference method.
     pub fn restart(&mut self) {
         self.done = 0;
         self.began = Instant::now();

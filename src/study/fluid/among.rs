@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Name of the table in the folder of a run.
 const GAS_TABLE: &str = "gas.csv";
-/// Largest size [bytes] of the table that is read. The table of one variant has some 20 kB.
+/// Largest size [bytes] of the table that is read. The table of one variant (experiment of a case) has some 20 kB.
 const LARGEST: u64 = 50_000_000;
 /// [-] largest allowed difference between two velocities of the gas alone: that in the table of the run and that of
 /// the case. The difference is divided by the largest velocity. The table has all digits of a double.
@@ -49,9 +49,9 @@ impl GasRow {
     }
 }
 
-/// Gas of one variant of a run.
+/// Gas of one of the variants (experiments of a case) that were run.
 pub struct GasAmongParticles {
-    /// Name of the variant.
+    /// Name of the variant (experiment of a case).
     pub name: String,
     /// Gas alone, from the wall to the middle of the channel.
     pub alone: Vec<GridNode>,
@@ -74,8 +74,8 @@ impl GasAmongParticles {
     }
 }
 
-/// Reads the gases among particles from the folder `run` of a finished run, one per variant. `profile` is the gas of
-/// the case.
+/// Reads the gases among particles from the folder `run` of a finished run, one per variant (experiment of a case).
+/// `profile` is the gas of the case.
 ///
 /// # Errors
 /// Returns an error for a folder without the table, for a table that cannot be read or is too large, or for the table

@@ -21,9 +21,9 @@ const SLICES: usize = 4;
 /// Number of points in each half of the channel at which the gas profile is tested for mirror symmetry.
 const POINTS: usize = 20;
 
-/// Observables of a variant and of its reference, in the same order in both lists. A mixture adds the granular
-/// temperature and the impact rate of each species. It also adds the streamwise velocity of each species if gas,
-/// gravity or walls drive a stream.
+/// Observables of a variant (experiment of a case) and of its reference, in the same order in both lists. A mixture
+/// adds the granular temperature and the impact rate of each species. It also adds the streamwise velocity of each
+/// species if gas, gravity or walls drive a stream.
 ///
 /// The velocities V (normal to the walls) and W (spanwise) and the stresses uw and vw are left out: V vanishes since
 /// mass is conserved; W, uw and vw vanish by symmetry. Other averages are compared only under a condition. The

@@ -14,11 +14,12 @@ use std::borrow::Cow;
 /// instants would make the test at each of them less sensitive.
 const INSTANTS: usize = 20;
 
-/// Smallest number of replicas (runs with different seeds) of each variant from which a curve gets standard errors.
+/// Smallest number of replicas (runs with different seeds) of each variant (experiment of a case) from which a curve
+/// gets standard errors.
 pub const FEWEST: usize = 3;
 
-/// Number of replicas (runs with different seeds) that is recommended if each variant has one run. Student's t then has
-/// 14 degrees of freedom.
+/// Number of replicas (runs with different seeds) that is recommended if each variant (experiment of a case) has one
+/// run. Student's t then has 14 degrees of freedom.
 const ADVISED: usize = 8;
 
 /// Number of particles that are assumed to move together as a group when single runs are compared. For particles that
@@ -37,8 +38,9 @@ fn agitation(row: &Row) -> Option<f64> {
     row.granular_temperature().map(|temperature| temperature.max(0.0).sqrt())
 }
 
-/// Compares the curves over time of two variants that are not steady, at instants at which all their runs were
-/// measured. `runs` has the replicas (runs with different seeds) of the variant, then those of its reference.
+/// Compares the curves over time of two variants (experiments of a case) that are not steady, at instants at which all
+/// their runs were measured. `runs` has the replicas (runs with different seeds) of the variant, then those of its
+/// reference.
 pub fn judge(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let all: [Vec<&Outcome>; 2] = [0, 1].map(|k| std::iter::once(runs[k].outcome).chain(runs[k].others).collect());
     let why = unsteady(&[runs[0].outcome, runs[1].outcome]);
@@ -95,16 +97,16 @@ pub fn common(all: &[Vec<&Outcome>]) -> Vec<f64> {
     (1..=count).map(|k| times[k * times.len() / count - 1]).collect()
 }
 
-/// Curves over time of all `runs` of a variant, for all particles and for each species. Curves that the `references`
-/// lack are left out. `times` [s] are the instants of the curves.
+/// Curves over time of all `runs` of a variant (experiment of a case), for all particles and for each species. Curves
+/// that the `references` lack are left out. `times` [s] are the instants of the curves.
 pub fn observables(runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Vec<Observable> {
     let kinds = references.first().map_or(&[][..], |reference| &reference.kinds.curves);
     let of_kinds = kinds.iter().filter_map(|curve| of_kind(curve, runs, references, times));
     curves().filter_map(|curve| observable(curve, runs, references, times)).chain(of_kinds).collect()
 }
 
-/// One curve over time of all `runs` of a variant, at the instants `times` [s]. `None` if the `references` do not have
-/// this curve, or if the curve is zero in all `references`.
+/// One curve over time of all `runs` of a variant (experiment of a case), at the instants `times` [s]. `None` if the
+/// `references` do not have this curve, or if the curve is zero in all `references`.
 fn observable(curve: &SeriesColumn, runs: &[&Outcome], references: &[&Outcome], times: &[f64]) -> Option<Observable> {
     let scale = scale(curve, references, times)?;
     let value = |run: &Outcome, time| (curve.of)(row_at(run, time)?);
@@ -171,9 +173,9 @@ fn scale(curve: &SeriesColumn, references: &[&Outcome], times: &[f64]) -> Option
     (scale > 0.0).then_some(scale)
 }
 
-/// Compares two variants with one run each. A single run has no error bar, but a difference may exceed the largest one
-/// that is possible by chance. If N groups of particles move independently, temperature and energy scatter by
-/// sqrt(2/(3N)) of their values. A group is assumed to have [`CLUMP`] particles.
+/// Compares two variants (experiments of a case) with one run each. A single run has no error bar, but a difference
+/// may exceed the largest one that is possible by chance. If N groups of particles move independently, temperature and
+/// energy scatter by sqrt(2/(3N)) of their values. A group is assumed to have [`CLUMP`] particles.
 fn single(variant: &Outcome, reference: &Outcome, times: &[f64], why: &str) -> Finding {
     let clumps = variant.particles.min(reference.particles) as f64 / CLUMP;
     let scatter = (2.0 / (3.0 * clumps)).sqrt();

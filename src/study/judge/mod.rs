@@ -41,17 +41,17 @@ const CLOSE: f64 = 1.1;
 /// docs/theory/softness.md).
 const DILUTE: f64 = 0.03;
 
-/// Compares every variant with its reference, which is another variant or a table of values. `outcomes` has one
-/// outcome for each variant, averaged over all its replicas (runs with different seeds). `others` has, for each
-/// variant, the separate outcomes of all replicas except the first. `margin` [-] is the largest difference that counts
-/// as equivalent, divided by the scale of each observable.
+/// Compares every variant (experiment of a case) with its reference, which is another variant or a table of values.
+/// `outcomes` has one outcome for each variant, averaged over all its replicas (runs with different seeds). `others`
+/// has, for each variant, the separate outcomes of all replicas except the first. `margin` [-] is the largest
+/// difference that counts as equivalent, divided by the scale of each observable.
 pub fn judge(outcomes: &[Outcome], others: &[Vec<Outcome>], margin: f64) -> Vec<Verdict> {
     judge_at(outcomes, others, Criteria { margin, levels: ErrorLevels::default() })
 }
 
-/// Compares every variant with its reference, with the margin (largest accepted difference) and the accepted
-/// probabilities of wrong answers in `asked`. The probabilities must be smaller if a comparison is tested several
-/// times while its runs are done.
+/// Compares every variant (experiment of a case) with its reference, with the margin (largest accepted difference) and
+/// the accepted probabilities of wrong answers in `asked`. The probabilities must be smaller if a comparison is tested
+/// several times while its runs are done.
 pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) -> Vec<Verdict> {
     let replicas = |place: usize| others.get(place).map_or(&[][..], Vec::as_slice);
     let pairs = references(outcomes).into_iter().enumerate().filter(|(place, other)| place != other);
@@ -62,7 +62,7 @@ pub fn judge_at(outcomes: &[Outcome], others: &[Vec<Outcome>], asked: Criteria) 
     judged.chain(outcomes.iter().filter_map(|outcome| table::judge(outcome, asked))).collect()
 }
 
-/// Margin of equivalence and error levels of a comparison of two variants.
+/// Margin of equivalence and error levels of a comparison of two variants (experiments of a case).
 #[derive(Clone, Copy, Debug)]
 pub struct Criteria {
     /// [-] largest difference that counts as equivalent, divided by the scale of the observable, such as its mean.
@@ -71,7 +71,7 @@ pub struct Criteria {
     pub levels: ErrorLevels,
 }
 
-/// Outcomes of all replicas of a variant; replicas are runs with different seeds.
+/// Outcomes of all replicas (runs with different seeds) of a variant (experiment of a case).
 #[derive(Clone, Copy)]
 pub struct ReplicaRuns<'a> {
     /// Outcome of the first replica (run with one of the seeds). If there are several replicas, the averages in this
@@ -81,7 +81,8 @@ pub struct ReplicaRuns<'a> {
     pub others: &'a [Outcome],
 }
 
-/// Answer of a comparison of two variants with the reason for it. The sentence begins after the names of the variants.
+/// Answer of a comparison of two variants (experiments of a case) with the reason for it. The sentence begins after
+/// the names of the variants.
 struct Finding {
     answer: Answer,
     basis: Basis,
@@ -117,9 +118,9 @@ fn one(runs: &[ReplicaRuns; 2], asked: Criteria) -> Verdict {
     }
 }
 
-/// Compares the first of two variants with the second one. The comparison is by paths, curves or averages, depending on
-/// the numbers of particles and replicas and on the steadiness of the runs. Runs with the same final state are
-/// equivalent.
+/// Compares the first of two variants (experiments of a case) with the second one. The comparison is by paths, curves
+/// or averages, depending on the numbers of particles and replicas and on the steadiness of the runs. Runs with the
+/// same final state are equivalent.
 fn found(runs: &[ReplicaRuns; 2], asked: Criteria) -> Finding {
     let both = [runs[0].outcome, runs[1].outcome];
     let [variant, reference] = both;
@@ -170,8 +171,9 @@ fn frozen(both: [&Outcome; 2]) -> Option<f64> {
     both.iter().filter_map(|one| one.places_kept).reduce(f64::max).filter(|kept| *kept > FROZEN)
 }
 
-/// Finding "unresolved" for two variants with one run each, in which particles do not mix. Another run would settle to
-/// another state. `kept` [-] is the share of particles that stay in their layer (slice of the height y).
+/// Finding "unresolved" for two variants (experiments of a case) with one run each, in which particles do not mix.
+/// Another run would settle to another state. `kept` [-] is the share of particles that stay in their layer (slice of
+/// the height y).
 fn one_of_many(both: [&Outcome; 2], kept: f64) -> Finding {
     let placed = both[1].experiment.start.iter().all(|one| matches!(one.amount, Amount::Placed(_)));
     let advice = if placed {
@@ -257,8 +259,9 @@ fn unsteady(runs: &[&Outcome]) -> String {
     why.collect::<Vec<_>>().join(", ")
 }
 
-/// Remark that soft spheres in a dilute gas collide as often as hard ones, although they behave like smaller spheres in
-/// other ways. `None` in a dense gas, or unless a soft variant is compared with a hard reference.
+/// Remark that soft spheres in a dilute gas collide as often as hard ones, although they behave like smaller spheres
+/// in other ways. `None` in a dense gas, or unless a soft variant (experiment of a case) is compared with a hard
+/// reference.
 fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     // the measured volume fraction is used, since particles may come and go
     let slices = &variant.stress.volume_fraction;
@@ -272,8 +275,9 @@ fn soft_rate(variant: &Outcome, reference: &Outcome) -> Option<String> {
     ))
 }
 
-/// Sentence on the wall time of a variant divided by that of its reference, or on wall times that are too short for
-/// such a ratio. `None` if either run stopped early, since its wall time is not that of the whole case.
+/// Sentence on the wall time of a variant (experiment of a case) divided by that of its reference, or on wall times
+/// that are too short for such a ratio. `None` if either run stopped early, since its wall time is not that of the
+/// whole case.
 fn costs(variant: &Outcome, reference: &Outcome) -> Option<String> {
     if [variant, reference].iter().any(|one| one.failure.is_some()) {
         return None;

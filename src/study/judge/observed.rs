@@ -28,8 +28,8 @@ const STILL: &str = "no scatter within the runs: --replicas 8 gives errors";
 /// Remark on numbers without a standard error.
 const SHORT: &str = "no standard error: too few samples";
 
-/// Differences of the numbers that two steady runs measure, in the order in which the variant (the first run) measures
-/// them. If a run stopped early, the answer "equivalent" becomes "unresolved".
+/// Differences of the numbers that two steady runs measure, in the order of the first run, which is that of the
+/// compared variant (experiment of a case). If a run stopped early, the answer "equivalent" becomes "unresolved".
 pub(super) fn judge(both: [&Outcome; 2], asked: Criteria) -> Vec<ObservedDifference> {
     let until = both[0].profiles.until.min(both[1].profiles.until);
     let mut found = observed_differences(both.map(|one| one.observations.as_slice()), until, asked);
@@ -155,8 +155,8 @@ fn batches(number: &ObservedNumber, place: usize, until: f64) -> Option<Batches>
     number.batches.as_ref().map_or_else(stated, blocks)
 }
 
-/// Sentence on the differences of measured numbers of two variants with the given `names`; `None` if there are no such
-/// numbers.
+/// Sentence on the differences of measured numbers of two variants (experiments of a case) with the given `names`;
+/// `None` if there are no such numbers.
 pub(super) fn sentence(names: [&String; 2], found: &[ObservedDifference]) -> Option<String> {
     let group = |wanted: Option<Answer>, words: &str| {
         let all: Vec<&ObservedDifference> = found.iter().filter(|one| one.answer == wanted).collect();

@@ -68,9 +68,9 @@ pub fn is_chaotic(reference: &Outcome) -> bool {
     predictable(reference).is_some()
 }
 
-/// Compares the paths of the particles of two variants, as long as the paths of the reference can be predicted.
-/// `margin` [-] is the largest accepted difference: of velocities divided by the largest speed, and of positions
-/// divided by this speed times the elapsed time.
+/// Compares the paths of the particles of two variants (experiments of a case), as long as the paths of the reference
+/// can be predicted. `margin` [-] is the largest accepted difference: of velocities divided by the largest speed, and
+/// of positions divided by this speed times the elapsed time.
 pub fn judge(variant: &Outcome, reference: &Outcome, margin: f64) -> Finding {
     let reason = "There are few particles: the path of each is compared.".to_owned();
     let unresolved = |sentence: String| Finding {

@@ -8,8 +8,8 @@ use crate::outcome::Outcome;
 use crate::output::{Basis, Verdict};
 use crate::statistics::{Answer, Batches, Observable, Parity, SliceColumn, U, compare, slice_column};
 
-/// Compares the averages of a variant with the table of values that the case gives as its reference. `None` if the case
-/// gives no table.
+/// Compares the averages of a variant (experiment of a case) with the table of values that the case gives as its
+/// reference. `None` if the case gives no table.
 pub fn judge(outcome: &Outcome, asked: Criteria) -> Option<Verdict> {
     let Some(Reference::Table(table)) = &outcome.experiment.against else { return None };
     let found = stopped(&[outcome], found(outcome, table, asked));

@@ -10,7 +10,7 @@ const NAMED: usize = 3;
 /// factor is not named, since such runs are impractical.
 const ENDLESS: f64 = 1000.0;
 
-/// Beginning of a sentence on the comparison of two variants: their names in quotes.
+/// Beginning of a sentence on the comparison of two variants (experiments of a case): their names in quotes.
 pub fn pair(variant: &str, reference: &str) -> String {
     format!("\"{variant}\" against \"{reference}\":")
 }

@@ -23,8 +23,8 @@ pub struct MeasuredQuantity {
     pub summary: FilesQuantity,
     /// Averages or curves of both sides with their errors; `None` if nothing can be compared.
     pub observables: Option<[Observable; 2]>,
-    /// Reason why nothing can be compared, or why curves are compared instead of averages. Empty if averages are
-    /// compared.
+    /// Reason why nothing can be compared, or why curves are compared instead of averages. Empty without such a
+    /// reason.
     pub remark: String,
 }
 

@@ -13,7 +13,7 @@ use std::path::Path;
 /// measurement).
 const SERIES: &str = "series.csv";
 
-/// Largest number of names of columns or variants that a message lists.
+/// Largest number of names of columns or variants (experiments of a case) that a message lists.
 const LISTED: usize = 30;
 
 /// Table of numbers from a file, with the place of each row in the file for messages.

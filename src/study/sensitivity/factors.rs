@@ -13,17 +13,17 @@ use crate::fluid::Profile;
 use crate::output::numbers::quantity;
 use crate::scene::{Kind, Meeting, Surface};
 
-/// [-] restitution of the inelastic walls of the paper (docs/paper.md, section 4). If the restitution of the case is
-/// 1, it is changed to this value.
+/// [-] restitution of the inelastic walls of the paper (docs/paper.md, section 4). A study of sensitivity changes a
+/// restitution of 1 to this value.
 const PAPER_RESTITUTION: f64 = 0.94;
 /// [-] standard error of a measured restitution, by which the study reduces a restitution below 1: cellulose acetate
 /// 0.87 ± 0.02 (Foerster, Louge, Chang and Allia 1994, Phys. Fluids 6, 1108).
 const RESTITUTION_ERROR: f64 = 0.02;
-/// [-] friction coefficient of glass on glass (Foerster et al. 1994). If particles have no friction, it is changed to
-/// this value.
+/// [-] friction coefficient of glass on glass (Foerster et al. 1994). A study of sensitivity gives this friction to
+/// particles that have none.
 const GLASS_FRICTION: f64 = 0.092;
-/// [-] friction coefficient of the rough walls of the paper (docs/paper.md, section 4). If the walls have no friction,
-/// it is changed to this value.
+/// [-] friction coefficient of the rough walls of the paper (docs/paper.md, section 4). A study of sensitivity gives
+/// this friction to walls that have none.
 const PAPER_WALL_FRICTION: f64 = 0.325;
 /// [-] standard error of a measured friction coefficient, by which the study increases a friction that is not 0:
 /// cellulose acetate 0.25 ± 0.02 (Foerster et al. 1994).

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 pub struct SensitivityTable<'a> {
     /// Plan of the study, with its runs and factors (changes of the case).
     pub plan: SensitivityPlan<'a>,
-    /// Question of the study, on which the sentences of the report depend.
+    /// Question that the study answers. The sentences of the report depend on it.
     pub question: Question,
     /// [-] margin of equivalence: largest accepted difference, divided by the scale of each observable.
     pub margin: f64,
@@ -74,6 +74,7 @@ impl SensitivityTable<'_> {
         Ok((page, sentences, overall))
     }
 
+    /// Rows of the table of runs, one for each run of the plan with at least one complete replica (run with one seed).
     pub fn runs(&self) -> Vec<SensitivityRun> {
         let one = |(planned, runs): (&PlannedRun, &Vec<Option<Outcome>>)| {
             let over: Vec<&Outcome> = runs.iter().flatten().collect();

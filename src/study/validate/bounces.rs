@@ -18,7 +18,8 @@ fn apex(simulation: &Simulation) -> f64 {
     x.y + v.y * v.y / (2.0 * GRAVITY)
 }
 
-/// Validation row: a ball that bounces on a soft floor (MFIX DEM01).
+/// Comparison with a reference (row of the validation suite): a ball that bounces on a soft floor (test DEM01 of the
+/// program MFIX).
 pub const SOFT_FLOOR: ValidationCheck = ValidationCheck {
     name: "dem01",
     tier: ClosedForms,
@@ -58,7 +59,8 @@ fn soft_floor(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Validation row: heights of the apexes of a bouncing hard ball (MFIX DEM02).
+/// Comparison with a reference (row of the validation suite): heights of the apexes of a bouncing hard ball (test
+/// DEM02 of the program MFIX).
 pub const APEXES: ValidationCheck = ValidationCheck {
     name: "dem02",
     tier: ClosedForms,
@@ -115,7 +117,8 @@ fn apexes(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     })
 }
 
-/// Validation row: two balls that are squeezed between floor and ceiling (MFIX DEM03).
+/// Comparison with a reference (row of the validation suite): two balls that are squeezed between floor and ceiling
+/// (test DEM03 of the program MFIX).
 pub const SQUEEZED: ValidationCheck = ValidationCheck {
     name: "dem03",
     tier: ClosedForms,
@@ -159,7 +162,8 @@ fn squeezed(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Validation row: instant at which infinitely many bounces of a hard sphere end.
+/// Comparison with a reference (row of the validation suite): instant at which infinitely many bounces of a hard
+/// sphere end.
 pub const ZENO: ValidationCheck = ValidationCheck {
     name: "zeno",
     tier: ClosedForms,

@@ -32,7 +32,8 @@ fn normal_impact(scene: &CheckScene, speed: f64) -> Result<[f64; 2], StudyError>
     Ok([law.force(&spring, overlap, 0.0).0, seen.mean_duration.unwrap_or(f64::NAN)])
 }
 
-/// Validation row: head-on impact of two balls of glass (test 1 of Chung and Ooi).
+/// Comparison with a reference (row of the validation suite): head-on impact of two balls of glass (test 1 of Chung
+/// and Ooi).
 pub const HEAD_ON: ValidationCheck = ValidationCheck {
     name: "chung-ooi-1",
     tier: OtherCodes,
@@ -44,7 +45,8 @@ pub const HEAD_ON: ValidationCheck = ValidationCheck {
     measure: |scene| force_and_time(normal_impact(scene, 20.0)?, [(10.70e3, 20.0), (40.47e-6, 0.1e-6)]),
 };
 
-/// Validation row: normal impact of a ball of aluminium alloy on a rigid plane (test 2 of Chung and Ooi).
+/// Comparison with a reference (row of the validation suite): normal impact of a ball of aluminium alloy on a rigid
+/// plane (test 2 of Chung and Ooi).
 pub const ON_PLANE: ValidationCheck = ValidationCheck {
     name: "chung-ooi-2",
     tier: OtherCodes,
@@ -67,7 +69,8 @@ fn force_and_time(ours: [f64; 2], expected: [(f64, f64); 2]) -> Result<CheckResu
     .into())
 }
 
-/// Validation row: restitution of a ball that meets a rigid plane (test 3 of Chung and Ooi).
+/// Comparison with a reference (row of the validation suite): restitution of a ball that meets a rigid plane (test 3
+/// of Chung and Ooi).
 pub const RESTITUTION: ValidationCheck = ValidationCheck {
     name: "chung-ooi-3",
     tier: ClosedForms,
@@ -98,7 +101,8 @@ fn restitution(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Validation row: oblique impacts of a ball of aluminium oxide on a rigid plane (test 4 of Chung and Ooi).
+/// Comparison with a reference (row of the validation suite): oblique impacts of a ball of aluminium oxide on a rigid
+/// plane (test 4 of Chung and Ooi).
 pub const OBLIQUE: ValidationCheck = ValidationCheck {
     name: "chung-ooi-4",
     tier: OtherCodes,
@@ -175,7 +179,8 @@ fn steel(along: f64) -> Vec<String> {
     sets
 }
 
-/// Validation row: oblique impacts of a steel ball, compared with finite elements (test 5 of Chung and Ooi).
+/// Comparison with a reference (row of the validation suite): oblique impacts of a steel ball, compared with finite
+/// elements (test 5 of Chung and Ooi).
 pub const FINITE_ELEMENTS: ValidationCheck = ValidationCheck {
     name: "chung-ooi-5",
     tier: OtherCodes,
@@ -227,7 +232,8 @@ fn finite_elements(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("Spin after an oblique elastic impact (test 5).", panel)) })
 }
 
-/// Validation row: normal impact of a ball with spin on a rigid plane (test 6 of Chung and Ooi).
+/// Comparison with a reference (row of the validation suite): normal impact of a ball with spin on a rigid plane (test
+/// 6 of Chung and Ooi).
 pub const SPINNING: ValidationCheck = ValidationCheck {
     name: "chung-ooi-6",
     tier: OtherCodes,
@@ -294,7 +300,8 @@ fn surface_speed(simulation: &Simulation, radius: f64) -> f64 {
     simulation.particles.velocity[0].x + radius * simulation.particles.spin_of(0).z
 }
 
-/// Validation row: head-on impact of two balls with opposite spins (test 7 of Chung and Ooi).
+/// Comparison with a reference (row of the validation suite): head-on impact of two balls with opposite spins (test 7
+/// of Chung and Ooi).
 pub const OPPOSITE_SPINS: ValidationCheck = ValidationCheck {
     name: "chung-ooi-7",
     tier: ClosedForms,

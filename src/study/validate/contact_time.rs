@@ -11,8 +11,8 @@ use crate::statistics::Estimate;
 use statrs::function::erf::erf;
 use std::f64::consts::PI;
 
-/// Validation row: a cooling gas of hard spheres with a contact time (TC model), within which further collisions are
-/// elastic.
+/// Comparison with a reference (row of the validation suite): a cooling gas of hard spheres with a contact time (TC
+/// model), within which further collisions are elastic.
 pub const CONTACT_TIME: ValidationCheck = ValidationCheck {
     name: "tc-cooling",
     tier: OtherCodes,

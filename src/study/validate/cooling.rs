@@ -40,7 +40,7 @@ fn cool(simulation: &mut Simulation, restitution: f64, times: &[f64]) -> Result<
     times.iter().map(one).collect()
 }
 
-/// Validation row: temperature of a cooling gas, compared with Haff's law.
+/// Comparison with a reference (row of the validation suite): temperature of a cooling gas, compared with Haff's law.
 pub const HAFF: ValidationCheck = ValidationCheck {
     name: "haff",
     tier: OtherCodes,
@@ -66,7 +66,7 @@ fn cooling(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(times.iter().enumerate().map(number).collect::<Vec<_>>().into())
 }
 
-/// Validation row: cooling gas of the benchmark of MFIX-Exa.
+/// Comparison with a reference (row of the validation suite): cooling gas of the benchmark of MFIX-Exa.
 pub const MFIX_EXA: ValidationCheck = ValidationCheck {
     name: "mfix-exa-cooling",
     tier: OtherCodes,
@@ -98,7 +98,8 @@ fn mfix_exa(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Validation row: first Sonine coefficient a_2 of the velocity distribution of a cooling gas.
+/// Comparison with a reference (row of the validation suite): first Sonine coefficient a_2 of the velocity
+/// distribution of a cooling gas.
 pub const SONINE: ValidationCheck = ValidationCheck {
     name: "sonine",
     tier: OtherCodes,
@@ -166,7 +167,7 @@ fn excess(simulation: &mut Simulation) -> Result<f64, StudyError> {
     Ok(sum / samples)
 }
 
-/// Validation row: temperatures of a cooling gas of rough spheres.
+/// Comparison with a reference (row of the validation suite): temperatures of a cooling gas of rough spheres.
 pub const ROUGH: ValidationCheck = ValidationCheck {
     name: "rough-gas",
     tier: OtherCodes,

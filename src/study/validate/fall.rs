@@ -6,7 +6,8 @@ use crate::output::ValidationTier::OtherCodes;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 
-/// Validation row: velocity of a falling ball up to its terminal velocity (MFIX DEM06).
+/// Comparison with a reference (row of the validation suite): velocity of a falling ball up to its terminal velocity
+/// (test DEM06 of the program MFIX).
 pub const TERMINAL: ValidationCheck = ValidationCheck {
     name: "dem06",
     tier: OtherCodes,

@@ -10,7 +10,8 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
 use crate::statistics::Estimate;
 
-/// Validation row: mass flow of beads through a hole in the bottom of a vessel.
+/// Comparison with a reference (row of the validation suite): mass flow of beads through a hole in the bottom of a
+/// vessel.
 pub const BEVERLOO: ValidationCheck = ValidationCheck {
     name: "beverloo",
     tier: Experiments,
@@ -41,7 +42,8 @@ fn beverloo(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(vec![averaged("mass per time", "g/s", Estimate::exact(1e3 * expected), parts, 100.0 * expected)].into())
 }
 
-/// Validation row: mean velocity of a turbulent channel flow without particles.
+/// Comparison with a reference (row of the validation suite): mean velocity of a turbulent channel flow without
+/// particles.
 pub const CHANNEL_GAS: ValidationCheck = ValidationCheck {
     name: "channel-gas",
     tier: OtherCodes,

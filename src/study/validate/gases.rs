@@ -32,7 +32,7 @@ fn collide(simulation: &mut Simulation, diameter: f64, rate: f64, collisions: f6
     Ok(time)
 }
 
-/// Validation row: collision rate and pressure of a gas of hard spheres.
+/// Comparison with a reference (row of the validation suite): collision rate and pressure of a gas of hard spheres.
 pub const HARD_GAS: ValidationCheck = ValidationCheck {
     name: "hard-gas",
     tier: OtherCodes,
@@ -79,7 +79,7 @@ fn hard_gas(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(numbers.into())
 }
 
-/// Validation row: collision rate of a mixture of two sizes.
+/// Comparison with a reference (row of the validation suite): collision rate of a mixture of two sizes.
 pub const MIXTURE: ValidationCheck = ValidationCheck {
     name: "mixture",
     tier: OtherCodes,
@@ -127,7 +127,8 @@ fn mixture(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(vec![averaged("rate over that of theory", "", Estimate::exact(1.0), ratios, 0.01)].into())
 }
 
-/// Validation row: heights and temperatures of spheres under gravity (an atmosphere).
+/// Comparison with a reference (row of the validation suite): heights and temperatures of spheres under gravity (an
+/// atmosphere).
 pub const ATMOSPHERE: ValidationCheck = ValidationCheck {
     name: "barometer",
     tier: ClosedForms,

@@ -62,7 +62,8 @@ const HERTZIAN: [StoredImpact; 6] = [
     (60.0, 0.8938, 357.6565),
 ];
 
-/// Validation row: oblique impacts with linear springs, compared with results of MFIX (DEM05).
+/// Comparison with a reference (row of the validation suite): oblique impacts with linear springs, compared with
+/// results of MFIX (DEM05).
 pub const LINEAR_SPRINGS: ValidationCheck = ValidationCheck {
     name: "dem05-linear",
     tier: OtherCodes,
@@ -74,7 +75,8 @@ pub const LINEAR_SPRINGS: ValidationCheck = ValidationCheck {
     measure: |scene| stored(scene, &LINEAR, &[]),
 };
 
-/// Validation row: oblique impacts with springs of Hertz and Mindlin, compared with results of MFIX (DEM05).
+/// Comparison with a reference (row of the validation suite): oblique impacts with springs of Hertz and Mindlin,
+/// compared with results of MFIX (DEM05).
 pub const HERTZ_MINDLIN: ValidationCheck = ValidationCheck {
     name: "dem05-hertz",
     tier: OtherCodes,
@@ -124,7 +126,8 @@ fn stored(scene: &CheckScene, expected: &[StoredImpact], sets: &[String]) -> Res
     })
 }
 
-/// Validation row: measured rebounds of balls of aluminium oxide from glass.
+/// Comparison with a reference (row of the validation suite): measured rebounds of balls of aluminium oxide from
+/// glass.
 pub const MEASURED: ValidationCheck = ValidationCheck {
     name: "kharaz",
     tier: Experiments,

@@ -5,7 +5,7 @@ use crate::experiment::Model;
 use crate::output::ValidationTier::ClosedForms;
 use crate::runs::StudyError;
 
-/// Validation row: velocities of the balls of Newton's cradle.
+/// Comparison with a reference (row of the validation suite): velocities of the balls of Newton's cradle.
 pub const CRADLE: ValidationCheck = ValidationCheck {
     name: "cradle",
     tier: ClosedForms,

@@ -14,7 +14,8 @@ fn rolling(simulation: &Simulation, radius: f64) -> [f64; 2] {
     [simulation.particles.velocity[0].x, -simulation.particles.spin_of(0).z * radius]
 }
 
-/// Validation row: a ball that slides along a floor until it rolls (MFIX DEM04).
+/// Comparison with a reference (row of the validation suite): a ball that slides along a floor until it rolls (test
+/// DEM04 of the program MFIX).
 pub const SLIDE_TO_ROLL: ValidationCheck = ValidationCheck {
     name: "dem04",
     tier: ClosedForms,
@@ -69,7 +70,7 @@ fn slide_to_roll(scene: &CheckScene) -> Result<CheckResult, StudyError> {
     Ok(CheckResult { numbers, picture: Some(("A ball slides until it rolls.", panel)) })
 }
 
-/// Validation row: a ball that is dropped on a floor with spin.
+/// Comparison with a reference (row of the validation suite): a ball that is dropped on a floor with spin.
 pub const DROPPED_WITH_SPIN: ValidationCheck = ValidationCheck {
     name: "dropped-with-spin",
     tier: ClosedForms,
