@@ -1,4 +1,5 @@
-//! Results of the work-precision chart (error over computing cost of each method) as plain data for the outputs.
+//! Results of the work-precision chart (error of each method plotted against its computing cost) as plain data for the
+//! outputs.
 
 use super::Provenance;
 use super::numbers::with_error;
@@ -20,8 +21,8 @@ pub struct ChartQuantity {
     pub reference: Estimate,
     /// Unit of the value and the reference; empty if the quantity has no unit.
     pub unit: &'static str,
-    /// [-] statistical floor: error by chance of a single run whose method has no error. It is estimated from the
-    /// scatter between the reference runs, and is 0 if nothing is random.
+    /// [-] statistical floor: error that chance alone gives a single run, even if its method is exact. It is estimated
+    /// from the scatter between the reference runs, and is 0 if nothing is random.
     pub floor: f64,
 }
 
@@ -34,12 +35,12 @@ pub struct PointError {
     pub error: f64,
     /// [-] standard error of `error`; `None` if unknown.
     pub uncertainty: Option<f64>,
-    /// Smallest and largest value among the runs with this method and parameter value, in the unit of the quantity;
-    /// `None` for a single run.
+    /// Smallest and largest value among the runs with the same method and the same value of its parameter, in the unit
+    /// of the quantity; `None` for a single run.
     pub range: Option<(f64, f64)>,
 }
 
-/// Distribution of the wall-clock time of one run on one thread [s].
+/// Wall-clock times [s] of equal runs on one thread: median, shortest and longest.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CostSpread {
     /// [s] median of the wall-clock times of single runs.
@@ -77,13 +78,14 @@ impl ChartFailure {
 pub struct ChartPoint {
     /// Index in [`ChartStudy::methods`] of the method of this point of the chart.
     pub method: usize,
-    /// Value of the swept parameter of the method, in the unit of this parameter.
+    /// Value of the parameter of the method that is swept (varied) for the chart, in the unit of this parameter.
     pub knob: f64,
     /// Number of runs from which the values and errors of this point of the chart are computed.
     pub samples: usize,
-    /// Wall-clock time of one run on one thread.
+    /// Wall-clock time of one run of this point of the chart on one thread.
     pub wall: CostSpread,
-    /// Counts of operations, summed over all runs of this point of the chart. They are the same on every machine.
+    /// Counts of operations, such as time steps, summed over all runs of this point of the chart. They are the same on
+    /// every machine.
     pub counters: Counters,
     /// [-] number of operations of one run: sum of pair checks, force evaluations and events.
     pub work: f64,
@@ -101,7 +103,7 @@ pub struct ChartMethod {
     pub name: String,
     /// Collision model of the method.
     pub model: Model,
-    /// Symbol of the swept parameter of the method.
+    /// Symbol of the parameter of the method that is swept (varied), such as that of the time step.
     pub knob: &'static str,
     /// Unit of the swept parameter; empty if it has no unit.
     pub unit: &'static str,
@@ -122,9 +124,9 @@ pub struct ChartSlope {
 }
 
 impl ChartSlope {
-    /// Text of the exponent with its error, with two decimal places at most. The error follows from the scatter about a
-    /// straight line in logarithmic axes. It does not include a curvature of the true line, so more places would be
-    /// meaningless.
+    /// Text of the fitted exponent with its error, with two decimal places at most. The error follows from the scatter
+    /// of the points about a straight line in logarithmic axes. The error does not cover a curvature of the true line,
+    /// so more decimal places would have no meaning.
     pub fn exponent(&self) -> String {
         let law = &self.law;
         if law.error < 0.01 {
@@ -152,7 +154,7 @@ pub struct ChartStudy<'a> {
     pub points: &'a [ChartPoint],
     /// Power laws fitted to the errors of the methods.
     pub slopes: &'a [ChartSlope],
-    /// Conclusions from the chart, one sentence each.
+    /// Conclusions drawn from the chart, one sentence each.
     pub verdicts: &'a [String],
     /// Remarks on how far the numbers of the chart are reliable, one sentence each.
     pub notes: &'a [String],
@@ -182,9 +184,9 @@ impl ChartPoint {
     }
 }
 
-/// Cheapest point of the models in `models` whose error in the quantity with the index `quantity`, plus two standard
-/// errors of this error, is at most `target` [-]. The two standard errors exclude points whose error is small by
-/// chance. `None` if there is no such point.
+/// Cheapest point among the points of the models in `models` whose error is at most `target` [-]. The error is that of
+/// the quantity with the index `quantity`, plus two standard errors of this error. The two standard errors exclude
+/// points whose error is small only by chance. `None` if there is no such point.
 pub fn cheapest<'a>(
     (methods, points): (&[ChartMethod], &'a [ChartPoint]),
     quantity: usize,
@@ -201,9 +203,9 @@ pub fn cheapest<'a>(
 }
 
 impl ChartStudy<'_> {
-    /// Indices of the points of the models in `models` on the Pareto front of the quantity with the index `quantity`,
-    /// in order of cost. No other point of these models has both a smaller cost and a smaller error. Errors below the
-    /// statistical floor (error by chance alone) are replaced by the floor.
+    /// Indices of the points on the Pareto front of the models in `models` for the quantity with the index `quantity`,
+    /// in order of cost. A point is on this front if no other point of these models has both a smaller cost and a
+    /// smaller error. Errors below the statistical floor (error by chance alone) are replaced by the floor.
     pub fn front(&self, quantity: usize, cost: CostMeasure, models: &[Model]) -> Vec<usize> {
         let floor = self.quantities.get(quantity).map_or(0.0, |quantity| quantity.floor);
         let asked = |point: &ChartPoint| models.contains(&self.methods[point.method].model);

@@ -16,8 +16,8 @@ use crate::scene::Scene;
 use crate::statistics::{SliceColumn, SliceRow, slice_columns};
 use ::csv::Writer;
 
-/// Contents of `profiles.csv`, with one row per variant and slice of the box across y. Lengths are in m, velocities in
-/// m/s, moments in powers of m/s. Columns with `_se` contain one standard error.
+/// Contents of `profiles.csv`, with one row per variant (experiment of a case) and slice (layer of the box along y).
+/// Units: m, m/s, and powers of m/s for moments of velocity. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -72,13 +72,12 @@ pub fn rings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// True if spheres rotate in one of the variants, so that the tables have columns of spins.
+/// True if spheres rotate in at least one of the experiments, so that the tables have columns of spins.
 fn rotating(outcomes: &[Outcome]) -> bool {
     outcomes.iter().any(|outcome| outcome.experiment.scene.rotation.is_some())
 }
 
-/// Header of the averages in a slice of the box across y: names of the values, then of their standard errors, separated
-/// by commas.
+/// Header of the averages in a slice (layer of the box along y): names of the values, then of their standard errors.
 fn slice_head(outcomes: &[Outcome]) -> String {
     let columns = slice_columns(rotating(outcomes));
     let values: String = columns.iter().map(|column| format!("{},", column.name)).collect();
@@ -86,7 +85,7 @@ fn slice_head(outcomes: &[Outcome]) -> String {
     format!("slice,y_m,{values}{errors}samples")
 }
 
-/// Cells of the row of one slice of the box across y, in the order of [`slice_head`]. If `rotating` is true, the
+/// Cells of the row of one slice (layer of the box along y), in the order of [`slice_head`]. If `rotating` is true, the
 /// columns of rotating spheres are included.
 fn slice(index: usize, row: &SliceRow, rotating: bool) -> impl Iterator<Item = String> {
     let found = |column: &SliceColumn| row.of(*column);
@@ -123,9 +122,9 @@ pub fn meetings(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `impacts.csv`: histograms of the impacts of every variant. Overlaps are divided by the diameter of the
-/// smaller sphere. If all values of a quantity are zero, such as overlaps of hard spheres, it has one row for a bin
-/// without width and density.
+/// Contents of `impacts.csv`: histograms of the impacts in every variant (experiment of a case). Overlaps are divided
+/// by the diameter of the smaller sphere. If all values of a quantity are 0, such as overlaps of hard spheres, the
+/// quantity has a single row, for a bin without width and density.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -148,10 +147,10 @@ pub fn impacts(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `overlaps.csv`: means and extremes of the overlaps in the averaging period, divided by the diameter of
-/// the smaller sphere. Each variant with soft contacts has a row for pairs and a row for walls. The granular
-/// temperature is in m²/s², the elastic parameter of the contact law (such as the stiffness) in SI, other numbers are
-/// [-]. The overlap number κ_n (theoretical time average of overlap over diameter) is computed from the measured
-/// temperature. Its cells are empty if spheres or surfaces differ.
+/// the smaller sphere. Each variant (experiment of a case) with soft contacts has a row for pairs of particles and a
+/// row for walls. The granular temperature is in m²/s², the elastic parameter of the contact law (such as the
+/// stiffness) in SI, other numbers are [-]. The overlap number κ_n (theoretical time average of the overlap, divided by
+/// the diameter) is computed from the measured temperature. The cells of κ_n are empty if spheres or surfaces differ.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -191,8 +190,8 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `budgets.csv`: terms of the budgets of the second moments of velocity [m²/s³]. There is one row per
-/// moment and slice of the box across y, with the centre y [m] of the slice. Rows with an empty slice are means over
-/// all particles. Columns with `_se` contain one standard error.
+/// moment and slice (layer of the box along y), with the centre y [m] of the slice. Rows with an empty cell `slice` are
+/// means over all particles. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -234,8 +233,8 @@ pub(super) struct HistogramRow {
     pub density: Option<f64>,
 }
 
-/// Bins of a histogram, from the first bin to the last bin that is not empty; none without values. If all values are 0,
-/// the result is one bin of zero width.
+/// Bins of a histogram, from the first bin to the last bin that is not empty. The list is empty if the histogram has no
+/// values. If all values are 0, the result is one bin of zero width.
 pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
     if histogram.total == 0 {
         return Vec::new();
@@ -256,9 +255,8 @@ pub(super) fn bins(histogram: &Histogram) -> Vec<HistogramRow> {
 
 /// Contents of `state.csv`: ids, centres [m], velocities [m/s], spins [rad/s] of spheres that rotate, diameters [m] and
 /// species names, in the order of the ids. Numbers have 17 significant digits, so that they are read without rounding.
-/// Centres are moved into the box along periodic axes. Before the table, lines of the form `# key: value` contain the
-/// number of particles with a checksum, the pairs of key and value in `about`, and the box. Other programs read these
-/// lines as comments.
+/// Along periodic axes, centres are replaced by their images inside the box. Lines `# key: value` precede the table,
+/// with the number of particles, a checksum, the pairs in `about`, and the box. Other programs skip these lines.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -306,7 +304,7 @@ pub fn bounces(bounces: &[Bounce]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `oblique.csv`: the reduced slip s/(μ u_n) [-] before and after oblique impacts, with slip s, coefficient
-/// of friction μ and normal speed u_n. The rows of each variant precede those of the references.
+/// of friction μ and normal speed u_n. The rows of reference curves are the last.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -322,9 +320,9 @@ pub fn oblique(study: &ObliqueStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `chart.csv`: one row per point and quantity of the work-precision chart (error over computing cost). A
-/// failed point has a single row with the reason of the failure. Errors, uncertainties and floors (errors by chance
-/// alone) are fractions [-]; other numbers are in the unit of the quantity.
+/// Contents of `chart.csv`: one row per point and quantity of the work-precision chart (error plotted against computing
+/// cost). A failed point has a single row with the reason of the failure. Errors, uncertainties and floors (errors by
+/// chance alone) are fractions [-]; other numbers are in the unit of the quantity.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -378,8 +376,8 @@ pub fn chart(study: &ChartStudy) -> Result<Vec<u8>, OutputError> {
 /// failure.
 const MAP_ENDS: [&str; 2] = ["outcome", "message"];
 
-/// Contents of `sweep.csv`: one row per point (one value for each swept key) and variant. Values of swept keys are in
-/// SI if they are numbers; otherwise they are as typed. Columns with `_se` contain one standard error.
+/// Contents of `sweep.csv`: one row per point (one value for each swept key) and variant (experiment of a case).
+/// Numbers given for swept keys are in SI; other values are as typed. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -412,7 +410,8 @@ pub fn sweep(study: &SweepStudy) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `sensitivity.csv`: one row per factor (changed input) and observable. Scales, shifts and their standard
-/// errors are in the unit of the observable. Columns over scale or margin (largest accepted difference) are [-].
+/// errors are in the unit of the observable. Columns with `over_scale` or `over_margin` in their names are [-]; the
+/// margin is the largest accepted difference.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -443,8 +442,8 @@ pub fn sensitivity(study: &SensitivityStudy) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// True if the text of a table is that of a map made by [`limits`]. Other tables in the folder of maps belong to the
-/// user.
+/// True if the text of a table is that of a map (table of the settings for which a method fails) made by [`limits`].
+/// Other tables in that folder belong to the user.
 pub fn is_map(table: &str) -> bool {
     table.lines().next().is_some_and(|header| header.ends_with(&MAP_ENDS.join(",")))
 }
@@ -465,7 +464,7 @@ pub fn limits(map: &Map) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Shortest text from which the number is read without rounding; empty if the number is unknown or not finite.
+/// Shortest text from which the same number can be read; empty for a number that is unknown or not finite.
 pub(super) fn number<N: Into<Option<f64>>>(value: N) -> String {
     let Some(value) = value.into() else { return String::new() };
     match value.abs() {

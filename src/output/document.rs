@@ -57,14 +57,14 @@ pub(super) enum Block {
     Verdict(String),
     Note(String),
     List(Vec<String>),
-    /// Terms with their values. The page leaves out terms with an empty value.
+    /// List of terms, each with its value as text. The page leaves out terms with an empty value.
     Entries(Vec<(String, String)>),
     Table(Table),
     /// Table of answers, with quantities in rows and variants in columns.
     Matrix(Matrix),
     /// Animation of the recorded motion of particles.
     Player(Box<Player>),
-    /// Pictures of the document, given by the range of their indices in the list of figures.
+    /// Pictures of the document, given by the range of their indices in [`Document::figures`].
     Figures(Range<usize>),
     /// Heading and text of a file, hidden until the reader opens it.
     Source(String, String),
@@ -89,7 +89,7 @@ impl Block {
     }
 }
 
-/// Splits a text into the names of columns, which are separated by ` | `.
+/// Splits the head of a table into the names of its columns, which are separated by ` | `.
 pub(super) fn columns(head: &str) -> Vec<String> {
     head.split(" | ").map(String::from).collect()
 }
@@ -102,26 +102,26 @@ pub(super) fn known(is_known: bool, text: String) -> String {
 /// Document of a study: all its results in the form in which the writers of files use them.
 pub(super) struct Document<'a> {
     pub provenance: &'a Provenance,
-    /// Variants that stopped early, each as its name and its failure.
+    /// Variants (experiments of a case) that stopped early, each as its name and its failure.
     pub failures: Vec<(&'a str, &'a Failure)>,
-    /// Answers of the study in sentences: first the main answers, then further ones.
+    /// Answers of the study in sentences: first the main answers, then further answers.
     pub verdicts: &'a [String],
     /// Number of `verdicts` that are shown at the top of the page. The other verdicts are hidden until the reader opens
     /// them.
     pub answers: usize,
-    /// Parts of the page that are always visible.
+    /// Parts of the page that are always visible, above the parts that a reader opens.
     pub front: Vec<Block>,
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
     pub body: Vec<Block>,
-    /// Parts of the page with further data that are needed to reproduce the results.
+    /// Last parts of the page: further data that are needed to reproduce the results.
     pub tail: Vec<Block>,
     /// Tables of numbers, each as the name of its file and the text of the file.
     pub tables: Vec<(String, Vec<u8>)>,
     pub figures: Vec<Figure>,
 }
 
-/// Status of a run in one word for `summary.json`: "failed" if it stopped early, otherwise "complete".
+/// Status of a run in one word for `summary.json`: "failed" if the run stopped early, otherwise "complete".
 pub(super) fn status(failed: bool) -> &'static str {
     if failed { "failed" } else { "complete" }
 }

@@ -16,11 +16,11 @@ pub struct SideSummary {
     pub samples: usize,
     /// Average of the quantity from the start of averaging to the end; `None` if it cannot be computed.
     pub mean: Option<Estimate>,
-    /// [s] instant at which averaging starts. If the unit of the times in the files is unknown, the number is in that
-    /// unit. `None` for a single value, which has no times.
+    /// [s] instant at which averaging starts. It is in the unit of the times in the files if the settings do not name
+    /// this unit. `None` for a single value, which has no times.
     pub from: Option<f64>,
-    /// [s] integral correlation time of the quantity. If the unit of the times in the files is unknown, the number is
-    /// in that unit. `None` if it cannot be computed.
+    /// [s] integral correlation time of the quantity. It is in the unit of the times in the files if the settings do
+    /// not name this unit. `None` if it cannot be computed.
     pub correlation_time: Option<f64>,
     /// Result of the test for a steady state; `None` for a single value, which has no times.
     pub steadiness: Option<Steadiness>,
@@ -36,9 +36,9 @@ pub struct FilesQuantity {
     /// [-] margin of equivalence: largest accepted difference, divided by the scale (reference magnitude) of the
     /// quantity.
     pub margin: f64,
-    /// Kind of data by which the two sides are compared.
+    /// Kind of data by which the two sides are compared, such as averages or curves.
     pub basis: Basis,
-    /// Summaries of the sides A and B; B is the reference.
+    /// Summaries of the two compared sides, A and B; B is the reference.
     pub sides: [SideSummary; 2],
 }
 
@@ -55,15 +55,15 @@ pub struct FilesStudy<'a> {
     pub quantities: &'a [FilesQuantity],
     /// Answers in sentences. The page begins with these sentences.
     pub verdicts: &'a [String],
-    /// Results of the tests. Each entry is for all quantities with the same margin (largest accepted difference) and
-    /// the same kind of data, such as averages or curves.
+    /// Results of the statistical tests. One entry contains all quantities with the same margin (largest accepted
+    /// difference) and the same kind of data, such as averages or curves.
     pub comparisons: &'a [Verdict],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
 }
 
 /// Contents of `judge.csv`: two rows for each quantity, one for each side (A or B). Means and errors are in the unit of
-/// the quantity. Times are in s, or in the unit of the column of times if this unit is unknown.
+/// the quantity. Times are in s, or in the unit of the times in the files if the settings do not name this unit.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

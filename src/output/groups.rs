@@ -4,13 +4,14 @@
 use crate::experiment::{Model, Reference};
 use crate::outcome::Outcome;
 
-/// Largest number of variants that readers can distinguish in one panel. It equals the number of dash patterns and the
-/// number of markers.
+/// Largest number of variants (experiments of a case) that readers can distinguish in one panel. It equals the number
+/// of dash patterns of lines and the number of markers of points.
 pub(super) const TOLD_APART: usize = 6;
 
-/// Index of the reference of each variant. The reference is the variant that the key `against` names, if there is one.
-/// A variant is its own reference if it names none but another variant names it, or if it is compared with a table. All
-/// other variants have the first hard variant as reference, or the first variant if none is hard.
+/// Index of the reference of each variant (experiment of a case). The reference is the variant that the key `against`
+/// names, if this key is given. A variant without this key is its own reference if another variant names it. A variant
+/// that is compared with a table is its own reference too. All other variants have the first variant with hard spheres
+/// as reference, or the first variant if none has hard spheres.
 pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
     let rest = outcomes.iter().position(|outcome| outcome.experiment.model() == Model::Hard).unwrap_or(0);
     // a variant whose reference has not been run is its own reference
@@ -27,12 +28,12 @@ pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
     (0..outcomes.len()).map(of).collect()
 }
 
-/// Variants that are drawn together in one panel of a picture.
+/// Variants (experiments of a case) that are drawn together in one panel of a picture.
 pub(super) struct PanelGroup<'a> {
     /// Common beginning of the names of the variants in the group, or the name of their reference; empty if there is
     /// only one group.
     pub title: String,
-    /// Remaining part of the name of each variant, with its outcome.
+    /// For each variant: the part of its name that is not in `title`, and its results.
     pub members: Vec<(String, &'a Outcome)>,
 }
 
@@ -60,9 +61,9 @@ pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     heads.iter().map(group).collect()
 }
 
-/// Distinct values among those of several variants. `of` gives the name and the value of each variant. The text after a
-/// value is empty if all variants have this value, else it names the variants that have it. Variants without a value
-/// are left out.
+/// Distinct values among the values of several variants (experiments of a case), each with a text. `of` gives the name
+/// and the value of each variant. The text is empty if all variants have this value; otherwise it names the variants
+/// that have it. Variants without a value are left out.
 pub(super) fn distinct<'a, T: PartialEq>(of: impl Iterator<Item = (&'a str, Option<T>)>) -> Vec<(T, String)> {
     let mut found: Vec<(T, Vec<&str>)> = Vec::new();
     let mut all = 0;

@@ -1,9 +1,9 @@
 //! Report as one HTML page, which needs no network and can be printed. All text is readable without scripts.
 //!
-//! The answer comes first and fits on one screen. The data follow in parts. Each part is hidden below its heading until
-//! the reader opens it. The last part contains the data needed to reproduce the results. Text of the user, such as
-//! names of variants, is escaped, and its control characters are made visible. A variant is one of the experiments of a
-//! case.
+//! The answer comes first and fits on one screen. The data follow in parts, each of which is hidden below its heading
+//! until the reader opens it. The last part contains the data needed to reproduce the results. Text of the user, such
+//! as names of variants, is escaped, and its control characters are made visible. A variant is one of the experiments
+//! of a case.
 
 use super::document::{AnswerCell, Block, Document, Matrix, Table};
 use super::figures::file_name;
@@ -16,7 +16,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page/style.css");
 
-/// Heading of the part of a page with remarks and checks that show how reliable the results are.
+/// Heading of the part of a page with the remarks and checks that show how reliable the results are.
 pub(super) const TRUST: &str = "How far to trust this";
 
 /// Heading of the part with the data needed to reproduce the results.
@@ -85,7 +85,8 @@ fn about(case_text: &str) -> Vec<(&'static str, String)> {
     parts
 }
 
-/// Makes all parts of the page that have a heading, in the order of the page.
+/// Makes all parts of the page that have a heading and are hidden until the reader opens them, in the order of the
+/// page.
 fn folds<'a>(document: &'a Document, body: &'a [Block]) -> Vec<Fold<'a>> {
     let Document { provenance, notes, figures, .. } = document;
     let mut folds = Vec::new();
@@ -125,8 +126,8 @@ fn again(document: &Document) -> Vec<Markup> {
     inside
 }
 
-/// Largest number of tables whose files a page links to at its top. A run with all its measurements has fewer. The
-/// sections of a study with more tables name their files.
+/// Largest number of tables whose files a page links to at its top. A run with all its measurements has fewer tables.
+/// In a study with more tables, the sections of the page name the files.
 const MOST_LINKS: usize = 24;
 
 /// Links to the parts of the page, and to the files with tables of numbers.
@@ -164,7 +165,7 @@ fn folded(fold: &Fold) -> Markup {
     }
 }
 
-/// List of the variants that stopped early, each with its failure.
+/// List of the variants (experiments of a case) that stopped early, each with its failure.
 fn failed(failures: &[(&str, &Failure)]) -> Markup {
     html! {
         @if !failures.is_empty() {

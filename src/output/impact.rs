@@ -28,12 +28,12 @@ pub struct BounceValues {
     pub maximum_overlap: Option<f64>,
 }
 
-/// Closed-form solution for the impact of one variant.
+/// Closed-form solution for the impact of one variant (experiment of a case).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analytic {
     /// Path of the two bodies by the closed-form solution.
     pub path: Vec<PathPoint>,
-    /// Restitution, contact time and largest overlap of the closed-form solution.
+    /// Restitution, contact time and largest overlap by the closed-form solution.
     pub values: BounceValues,
 }
 
@@ -62,8 +62,8 @@ pub struct Bounce {
     pub failure: Option<Failure>,
 }
 
-/// Curve of one variant: the reduced slip after oblique impacts as a function of that before. It is s/(μ u_n), with
-/// slip s, coefficient of friction μ and normal speed u_n.
+/// Curve of one variant (experiment of a case): the reduced slip after oblique impacts as a function of the reduced
+/// slip before them. The reduced slip is s/(μ u_n), with slip s, coefficient of friction μ and normal speed u_n.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObliqueCurve {
     /// Name of the variant to which the curve belongs.
@@ -76,17 +76,18 @@ pub struct ObliqueCurve {
 /// Oblique impacts of the two bodies of an impact study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObliqueStudy {
-    /// Curves of the variants, one for each.
+    /// Curves of the reduced slip, one for each variant (experiment of a case).
     pub curves: Vec<ObliqueCurve>,
     /// Measured reduced slip s/(μ u_n) of solid spheres before and after the impact [-], with slip s, coefficient of
-    /// friction μ and normal speed u_n. Empty for other bodies.
+    /// friction μ and normal speed u_n. The list is empty for other bodies.
     pub measured: Vec<(f64, f64)>,
-    /// Reduced slip s/(μ u_n) before and after elastic impacts whose contact circle slips only at its edge [-]
+    /// Reduced slip s/(μ u_n) before and after elastic impacts in which only the edge of the contact circle slips [-]
     /// ([`PartialSlip`](crate::rotation::PartialSlip)). Here s is the slip, μ the coefficient of friction and u_n the
-    /// normal speed. Empty if the contact law has no elastic constants.
+    /// normal speed. The list is empty if the contact law has no elastic constants.
     pub partial_slip: Vec<(f64, f64)>,
     /// [-] change of the reduced slip by the friction impulse of an impact that slides to its end: (1+e) M/M_t, with
-    /// the restitution e, the effective mass M and that of the slip M_t. It is the largest possible change.
+    /// the restitution e, the effective mass M of the two bodies, and the effective mass M_t of their slip (tangential
+    /// impulse divided by the change of the slip). No impact changes the reduced slip by more.
     pub impulse: f64,
 }
 
@@ -117,7 +118,7 @@ impl ObliqueStudy {
 pub struct ImpactStudy<'a> {
     /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// Computed impacts of the variants, one for each.
+    /// Computed impacts, one for each variant (experiment of a case).
     pub bounces: &'a [Bounce],
     /// [-] restitution that the case prescribes for the impact.
     pub requested_restitution: f64,

@@ -5,13 +5,14 @@ use super::Provenance;
 use super::panel::Panel;
 use crate::engine::Failure;
 
-/// Point of a map (table of the settings for which a method fails): one run, or several runs with the same settings.
+/// Point of a map (table of the settings for which a method fails): settings with which one run or several runs were
+/// made.
 #[derive(Clone, Debug)]
 pub struct MapPoint {
     /// Values of the point in the order of the columns of the map, each in the unit of its column; `None` for a missing
     /// number.
     pub values: Vec<Option<f64>>,
-    /// Failure of the first run of this point of the map that stopped early; `None` if all runs ended.
+    /// Failure of the first run at this point of the map that stopped early; `None` if all runs reached their end.
     pub failure: Option<Failure>,
 }
 
@@ -33,34 +34,35 @@ pub struct Map {
     pub rows: Vec<MapPoint>,
     /// Picture of the map: cells or curves.
     pub picture: Picture,
-    /// Text of a case for `diptych run`. For each point (row) of the map, some keys of this case are changed.
+    /// Text of a case that `diptych run` can read. For each point (row) of the map, some keys of this case were
+    /// changed.
     pub case: &'static str,
 }
 
 /// Kind of picture of a map.
 #[derive(Clone, Debug)]
 pub enum Picture {
-    /// Coloured cells, one per point of the map. The colour of a cell shows the class of the result, such as failed.
+    /// Coloured cells, one per point of the map. The colour shows the class of the result, such as failed.
     Cells(RegimeMap),
     /// Points and lines in one panel with a pair of axes.
     Curves(Panel),
 }
 
-/// Map of coloured cells in a plane, with lines by theory. The colour of a cell shows the class of the result at this
-/// point.
+/// Map of coloured cells in a plane of two settings, with lines that theory predicts. The colour of a cell shows the
+/// class of the result with these settings, such as failed.
 #[derive(Clone, Debug)]
 pub struct RegimeMap {
     /// Label of the horizontal axis.
     pub x_label: String,
     /// Label of the vertical axis.
     pub y_label: String,
-    /// True for a logarithmic axis, first for the horizontal, then for the vertical axis.
+    /// True if the axis is logarithmic: first for the horizontal axis, then for the vertical axis.
     pub log: [bool; 2],
     /// Classes of results, such as failed, each with the colour of its cells.
     pub classes: Vec<Class>,
     /// Cells of the map, one per point.
     pub cells: Vec<Cell>,
-    /// Lines by theory, each as a label and its points in the units of the axes.
+    /// Lines that theory predicts, each as a label and its points in the units of the axes.
     pub lines: Vec<(String, Vec<(f64, f64)>)>,
 }
 
@@ -122,7 +124,8 @@ impl MapPoint {
 }
 
 impl Map {
-    /// Number of points of the map with each outcome, in order of first appearance.
+    /// Each outcome (`ran` or a kind of failure) with the number of points of the map that have it, in order of first
+    /// appearance.
     pub fn outcomes(&self) -> Vec<(&'static str, u64)> {
         let mut outcomes: Vec<(&str, u64)> = Vec::new();
         for name in self.rows.iter().map(MapPoint::outcome) {

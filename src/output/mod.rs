@@ -144,23 +144,24 @@ pub struct Provenance {
 /// All results of a run or a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct Study<'a> {
-    /// Origin of the results: title, case and command.
+    /// Origin of the results: title, case file and command line.
     pub provenance: &'a Provenance,
-    /// Outcomes of the runs, one per variant.
+    /// Results of the runs: one [`Outcome`] per variant (experiment of a case).
     pub outcomes: &'a [Outcome],
     /// All parameters of each variant in SI, in the order of the variants.
     pub parameters: &'a [serde_json::Value],
-    /// Answers in sentences: first those of the comparisons, then further findings. The page begins with the first of
-    /// these sentences.
+    /// Answers in sentences: first those of the comparisons between variants (experiments of a case), then further
+    /// findings. The page begins with the first of these sentences.
     pub verdicts: &'a [String],
-    /// Comparisons of variants with their references; empty for a single run.
+    /// Comparisons of variants (experiments of a case), each with its reference variant; empty for a single run.
     pub comparisons: &'a [Verdict],
     /// Settings that distinguish each variant, as typed in the case, in the order of the variants. An empty text means
     /// no settings.
     pub overrides: &'a [String],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
-    /// Checks of the results, one sheet per variant in the order of the variants.
+    /// Checks of the results: one sheet (list of checks) per variant (experiment of a case), in the order of the
+    /// variants.
     pub trust: &'a [TrustSheet],
     /// Recorded motion of the particles for animations, in the order of the variants; empty without animations.
     pub frames: &'a [Frames],

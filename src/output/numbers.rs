@@ -29,9 +29,9 @@ fn finite(value: impl Into<Option<f64>>) -> Option<f64> {
     value.into().filter(|value| value.is_finite())
 }
 
-/// Text of a value ± one standard error. The error has one or two digits, and the value has as many decimal places as
-/// the error. If the error is unknown, the value has four digits, and `?` replaces the error. An error of 0 is left
-/// out. An unknown value gives the sign for an unknown number.
+/// Text of a value ± one standard error, such as `1.234 ± 0.015`. The error has one or two digits, and the value has as
+/// many decimal places as the error. If the error is unknown, the value has four digits, and `?` replaces the error. An
+/// error of 0 is left out. An unknown value gives the sign for an unknown number.
 pub fn with_error(found: impl Into<Option<Estimate>>) -> String {
     let Some(Estimate { value, error }) = found.into().filter(|found| found.value.is_finite()) else {
         return UNKNOWN.into();
@@ -77,7 +77,7 @@ pub fn count(value: u64) -> String {
     text
 }
 
-/// Text of the ratio of `part` to `whole` in per cent.
+/// Text of the ratio `part`/`whole` in per cent, with two digits.
 pub fn percent(part: f64, whole: f64) -> String {
     let ratio = 100.0 * part / whole;
     if ratio.is_finite() { format!("{} %", significant(ratio, 2)) } else { UNKNOWN.into() }
@@ -86,7 +86,8 @@ pub fn percent(part: f64, whole: f64) -> String {
 /// SI prefix with its factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prefix {
-    /// [-] factor by which a value in the plain unit is multiplied to give the number before the prefixed unit.
+    /// [-] factor by which a value in the plain unit is multiplied to give the number before the prefixed unit: 1000
+    /// for milli.
     pub factor: f64,
     /// Letter of the SI prefix, such as `m` for milli.
     pub symbol: &'static str,
@@ -105,7 +106,7 @@ impl Prefix {
     }
 }
 
-/// Power of ten of the first digit of `value`, after rounding to `digits` significant digits.
+/// Power of ten of the first digit of `value`, after rounding to `digits` significant digits: 2 for 345.
 fn exponent(value: f64, digits: usize) -> i32 {
     let text = format!("{:.*e}", digits.max(1) - 1, value.abs());
     text.split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0)

@@ -8,10 +8,11 @@ use crate::observe::{
 };
 use crate::outcome::Outcome;
 
-/// Contents of `series.csv`: averages over all particles, with one row per variant and instant. Numbers of impacts and
-/// energy losses are sums since the start. Columns of friction exist only if spheres rotate, and columns of turbulence
-/// only if turbulence acts on the particles. Columns of the gas, servo walls, shear, a thermostat and openings exist
-/// only in scenes that have them. Columns of the velocity distribution exist only if this distribution is measured.
+/// Contents of `series.csv`: averages over all particles, with one row per variant (experiment of a case) and instant.
+/// Numbers of impacts and energy losses are sums since the start. Columns of friction exist only if spheres rotate, and
+/// columns of turbulence only if turbulence acts on the particles. Columns of the gas, of servo walls (walls that keep
+/// a pressure), of shear, of a thermostat, and of inlets and outlets exist only in scenes that have them. Columns of
+/// the velocity distribution exist only if this distribution is measured.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -39,9 +40,9 @@ pub fn series(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
     table.bytes()
 }
 
-/// Contents of `paths.csv`: one row per variant, instant and particle. `None` if no variant has recorded paths, as in
-/// scenes with more than 50 particles, or with inlets or outlets. The column `overlap_m` contains the largest overlap
-/// of the particle at the instant.
+/// Contents of `paths.csv`: one row per variant (experiment of a case), instant and particle. `None` if no variant has
+/// recorded paths; scenes with more than 50 particles, inlets or outlets have none. The column `overlap_m` contains the
+/// largest overlap of the particle at the instant.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

@@ -30,19 +30,20 @@ pub enum SeriesStyle {
     Steps(usize),
     /// Separate points, in the colour of the variant with this index.
     Points(usize),
-    /// Points with error bars, joined by a thin line, in the colour with this index: that of a method, or of a curve of
-    /// a sweep.
+    /// Points with error bars, joined by a thin line, in the colour with this index. The index is that of a method in a
+    /// work-precision chart, or of a curve of a sweep.
     Sweep(usize),
-    /// Stars on the upper frame, which mark failed runs of the method, or of the curve of a sweep, with this index.
+    /// Stars on the upper frame, which mark failed runs. The index is that of the method, or of the curve of a sweep,
+    /// to which the runs belong.
     Failed(usize),
-    /// Large dark diamonds, which mark the cheapest method with an accepted error.
+    /// Large dark diamonds, which mark the cheapest method whose error is small enough.
     Winner,
     /// Broad pale line with a disc around each point, which marks the Pareto front: points that no other point beats in
     /// both cost and error.
     Front,
-    /// Thin grey dashed line for a reference with which the variants are compared.
+    /// Thin grey dashed line, for a reference with which other curves are compared.
     Reference,
-    /// Broad pale line beneath other lines, for the exact solution.
+    /// Broad pale line beneath the other lines, for an exact solution.
     Exact,
 }
 
@@ -71,7 +72,7 @@ pub struct PanelSeries {
     pub label: String,
     /// Style in which the series is drawn: line, markers and colour.
     pub look: SeriesStyle,
-    /// Points of the series, in the order in which lines join them.
+    /// Points of the series, in the order in which a line joins them.
     pub points: Vec<SeriesPoint>,
 }
 
@@ -95,7 +96,7 @@ pub struct Panel {
     pub y_label: String,
     /// Series of the panel; later ones cover earlier ones.
     pub series: Vec<PanelSeries>,
-    /// Horizontal lines, each with its position on the vertical axis and a label, which may be empty.
+    /// Horizontal lines across the panel, each with its position on the vertical axis and a label, which may be empty.
     pub marks: Vec<(f64, &'static str)>,
     /// Lower and upper end of the horizontal axis. `None` means the smallest and the largest value of the points, or
     /// the whole powers of ten around them on a logarithmic axis.
@@ -107,6 +108,7 @@ pub struct Panel {
     pub log_x: bool,
     /// True if the vertical axis is logarithmic.
     pub log_y: bool,
-    /// [units of the axis] lower end of a logarithmic vertical axis. `None` means six decades below the largest value.
+    /// [units of the axis] lower end of a logarithmic vertical axis. `None` means an end six decades (powers of ten)
+    /// below the largest value.
     pub floor: Option<f64>,
 }

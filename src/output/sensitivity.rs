@@ -12,7 +12,7 @@ pub struct Shift {
     pub observable: String,
     /// Unit of the observable; empty if it has none.
     pub unit: &'static str,
-    /// Scale of the observable, by which the shift is divided, in the unit of the observable.
+    /// Scale (reference magnitude) of the observable, by which the shift is divided, in the unit of the observable.
     pub scale: f64,
     /// Description of the scale (the value by which the shift is divided), as the words after "% of".
     #[serde(skip)]
@@ -26,14 +26,14 @@ pub struct Shift {
     pub freedom: Option<f64>,
     /// [s] time at which the shift of a curve is measured; `None` for the shift of a mean.
     pub time: Option<f64>,
-    /// [-] probability that two equal systems show a shift of at least this size, for this observable alone. `None` if
-    /// the error is unknown.
+    /// [-] probability that two equal systems show a shift of at least this size by chance, for this observable alone.
+    /// `None` if the error is unknown.
     pub chance: Option<f64>,
-    /// [-] smallest margin (accepted difference) with which the observable is equivalent, divided by the scale. `None`
-    /// without a standard error.
+    /// [-] smallest margin (largest accepted difference) with which the answer would be "equivalent", divided by
+    /// `scale`. `None` without a standard error.
     pub reached: Option<f64>,
-    /// [-] necessary duration of the run over its actual duration. With the necessary duration, equal systems are found
-    /// equivalent in 80 % of cases. `None` if the error is 0 or unknown.
+    /// [-] necessary duration of the run, divided by its actual duration. With the necessary duration, two equal
+    /// systems are found equivalent in 80 % of cases. `None` if the error is 0 or unknown.
     pub stretch: Option<f64>,
     /// Answer (equivalent, different or unresolved) for this observable, from a test of all factors and observables
     /// together.
@@ -64,24 +64,24 @@ pub struct Factor {
     pub change: String,
     /// Reason why the change of the factor has this size.
     pub why: String,
-    /// Kind of results (averages, curves or paths) that the shifts compare; `None` if a run stopped early.
+    /// Kind of results (averages, curves or paths) from which the shifts are computed; `None` if a run stopped early.
     pub basis: Option<Basis>,
     /// Shifts of all observables by this factor, in a fixed order.
     pub shifts: Vec<Shift>,
-    /// Names of the runs with the changed factor, followed by the names of the runs with which they are compared.
+    /// Names of the runs with the changed factor, and names of the runs with which they are compared.
     pub runs: [Vec<String>; 2],
     /// Further remarks about the factor.
     pub remarks: Vec<String>,
     /// Reason why a run with this factor stopped early; `None` if all runs ended.
     pub stopped: Option<String>,
-    /// Answer for the factor (equivalent, different or unresolved): the worst answer among all observables.
+    /// Answer for the factor (equivalent, different or unresolved): the least favourable answer among all observables.
     #[serde(rename = "verdict")]
     pub answer: Answer,
 }
 
 impl Factor {
-    /// Largest shift, relative to its scale, among the observables with the answer of the factor; `None` if there is
-    /// none.
+    /// Shift that is largest relative to its scale, among the observables whose answer equals that of the factor.
+    /// `None` if there are no shifts.
     pub fn headline(&self) -> Option<&Shift> {
         let deciding = self.shifts.iter().filter(|shift| shift.answer == self.answer);
         deciding.max_by(|a, b| a.share().abs().total_cmp(&b.share().abs()))
@@ -133,7 +133,7 @@ pub struct SensitivityStudy<'a> {
     pub waiting: &'a [String],
     /// Finished runs of the study. The first one is that of the unchanged case.
     pub runs: &'a [SensitivityRun],
-    /// Answers in sentences, beginning with the cheapest adequate set of models.
+    /// Answers in sentences, beginning with the cheapest set of models that is accurate enough.
     pub sentences: &'a [String],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],

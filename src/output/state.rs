@@ -10,7 +10,8 @@ use crate::simulation::Simulation;
 /// Observer that writes `state.csv` when the run is over or has failed.
 pub struct StateFile<'a> {
     folder: &'a Folder,
-    /// Checksum of the text of the case file, which identifies the case of the state.
+    /// Checksum of the text of the case file. By this checksum, a reader of `state.csv` can tell to which case the
+    /// state belongs.
     case: u64,
     written: Result<(), OutputError>,
 }
@@ -21,7 +22,7 @@ impl<'a> StateFile<'a> {
         Self { folder, case: saved::fingerprint(case), written: Ok(()) }
     }
 
-    /// Returns the result of writing the file, after the run.
+    /// Returns an error if the file could not be written. The caller calls this method after the run.
     ///
     /// # Errors
     /// The file could not be written.

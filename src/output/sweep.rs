@@ -1,5 +1,5 @@
-//! Results of a sweep over values of keys, as plain data: the runs, and one row per point and variant. A variant is one
-//! of the experiments of a case, and a point is one value for each varied key.
+//! Results of a sweep, which runs a case with several values of some of its keys, as plain data: the runs, and one row
+//! per point and variant. A variant is one of the experiments of a case, and a point is one value for each varied key.
 
 use super::{Provenance, figures};
 use crate::case::SweepAxis;
@@ -22,9 +22,9 @@ pub struct SweepObservable {
     pub of: fn(&Outcome) -> Option<Estimate>,
 }
 
-/// [m/s] mean streamwise velocity over all slices of the box across y, weighted by the number of particles in each
-/// slice. The correlation between slices is unknown, so the standard error is that of full correlation, the largest
-/// possible one. `None` if no slice has a value.
+/// [m/s] mean streamwise velocity of all particles, computed from the means in slices (layers of the box, one above the
+/// other along y). The correlation between slices is unknown. The standard error is therefore computed for full
+/// correlation, which gives the largest possible error. `None` if no slice has a value.
 fn velocity(outcome: &Outcome) -> Option<Estimate> {
     let (mut sum, mut error, mut weights) = (0.0, Some(0.0), 0.0);
     for row in &outcome.profiles.slices {
@@ -92,7 +92,7 @@ pub const OBSERVABLES: [SweepObservable; 9] = [
         name: "mean largest overlap of pairs",
         axis: "mean largest overlap over the diameter  [–]",
         is_average: false,
-        // overlaps of event-driven collisions are rounding errors
+        // event-driven collisions have no overlap, except for rounding errors
         of: |o| {
             let mean = o.pairs.summary().mean_maximum_overlap?;
             (mean > figures::ROUNDING).then(|| Estimate::without_error(mean))
@@ -121,23 +121,23 @@ pub struct SweepRun {
     pub wall_seconds: f64,
 }
 
-/// Row of a sweep: one variant at one point, which is one value for each varied key.
+/// Row of a sweep: one variant (experiment of a case) at one point, which is one value for each varied key.
 pub struct SweepRow {
     /// Index of the value on each axis (varied key). These indices define the point of the sweep.
     pub at: Vec<usize>,
-    /// Index of the variant in [`SweepStudy::variants`].
+    /// Index, in [`SweepStudy::variants`], of the variant (experiment of a case) of this row.
     pub variant: usize,
-    /// Hashes of the runs of this row (one variant at one point), one per replica (run with another seed). A run may
-    /// belong to several rows.
+    /// Hashes of the runs of this row (one experiment of the case at one point), one per replica (run with another
+    /// seed). A run may belong to several rows.
     pub identities: Vec<String>,
-    /// Results of the finished runs of this row (one variant at one point of the sweep).
+    /// Results of the finished runs of this row (one experiment of the case at one point of the sweep).
     pub runs: Vec<SweepRun>,
 }
 
 impl SweepRow {
-    /// Value of the quantity with the name `key` in this row. If there are several replicas (runs with different
-    /// seeds), the value is their mean, with a standard error computed from their scatter. `None` if no run is
-    /// finished, or if the value is unknown in one of the runs, as in a run that stopped early.
+    /// Value, in this row, of the quantity whose [`SweepObservable::key`] is `key`. If there are several replicas (runs
+    /// with different seeds), the value is their mean, with a standard error computed from their scatter. `None` if no
+    /// run is finished, or if the value is unknown in one of the runs, as in a run that stopped early.
     pub fn measured(&self, key: &str) -> Option<Estimate> {
         let found: Option<Vec<Estimate>> = self.runs.iter().map(|run| run.measured.get(key).copied()).collect();
         let found = found?;
@@ -150,12 +150,14 @@ impl SweepRow {
         (!found.is_empty()).then_some(Estimate { value: mean, error: Some((variance / count).sqrt()) })
     }
 
-    /// Reason why a run of this row (one variant at one point of the sweep) stopped early; `None` if all runs ended.
+    /// Reason why a run of this row (one experiment of the case at one point of the sweep) stopped early; `None` if all
+    /// runs ended.
     pub fn failure(&self) -> Option<&str> {
         self.runs.iter().find_map(|run| run.failure.as_deref())
     }
 
-    /// Status of this row (one variant at one point of the sweep): "complete", "failed" or "not run yet".
+    /// Status of this row (one experiment of the case at one point of the sweep): "complete", "failed" or "not run
+    /// yet".
     pub fn status(&self) -> &'static str {
         match (self.failure(), self.runs.len() < self.identities.len()) {
             (Some(_), _) => "failed",
@@ -169,14 +171,15 @@ impl SweepRow {
 pub struct SweepStudy<'a> {
     /// Origin of the results: title, case and command.
     pub provenance: &'a Provenance,
-    /// Keys of the case that the sweep varies, with their values.
+    /// Keys (settings) of the case that the sweep varies, with their values.
     pub axes: &'a [SweepAxis],
     /// Names of the variants that run at each point of the sweep.
     pub variants: &'a [String],
-    /// Index of the first hard variant, with which the other variants are compared. `None` if no variant is hard.
+    /// Index of the first variant (experiment of a case) with hard spheres, with which the other variants are compared.
+    /// `None` if no variant has hard spheres.
     pub reference: Option<usize>,
-    /// Rows in the order of the points: from point to point the value of the last key changes fastest. Each point has
-    /// one row per variant.
+    /// Rows in the order of the points (one value for each varied key): from point to point the value of the last key
+    /// changes fastest. Each point has one row per variant (experiment of a case).
     pub rows: &'a [SweepRow],
 }
 

@@ -50,8 +50,8 @@ pub struct TrustCheck {
 }
 
 impl TrustCheck {
-    /// [-] value minus expected value, in standard errors of the value; 0 if the two differ only by rounding. Otherwise
-    /// `None` without an error; always `None` without an expected value.
+    /// [-] value minus expected value, divided by the standard error of the value; 0 if the two values differ only by
+    /// rounding. `None` if no value is expected, or if the standard error is unknown or 0.
     pub fn in_errors(&self) -> Option<f64> {
         let (Expected::Equals(value), found) = (self.expected, self.found?) else { return None };
         let off = found.less(Estimate::exact(value));
@@ -71,7 +71,7 @@ fn value_and_error<S: serde::Serializer>(found: &Option<Estimate>, serializer: S
     numbers.serialize(serializer)
 }
 
-/// Quantity in two short runs. The first run has the time step and the window of the original run, the second one half
+/// Quantity in two short runs. The first run has the time step and the window of the original run, the second run half
 /// of both. A window is the time between two exchanges with the gas.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Halved {
@@ -94,8 +94,9 @@ impl Halved {
         self.halved.less(self.as_run)
     }
 
-    /// [-] change of the quantity when time step and window (time between two exchanges with the gas) are halved, in
-    /// units of its standard error; 0 if it is only rounding. Otherwise `None` without an error.
+    /// [-] change of the quantity when time step and window (time between two exchanges with the gas) are halved,
+    /// divided by the standard error of the change. It is 0 if the change is only rounding. `None` if the error is
+    /// unknown or 0.
     pub fn in_errors(&self) -> Option<f64> {
         let change = self.change();
         // a quantity without unit is a fraction and has the scale 1; a change up to 1e-12 of the scale counts as
@@ -105,8 +106,8 @@ impl Halved {
     }
 }
 
-/// Two short continuations of a run from its final state. The first one has the settings of the run, the second one
-/// half its time step and half its window (time between two exchanges with the gas).
+/// Two short continuations of a run from its final state. The first has the settings of the run, the second half the
+/// time step and half the window (time between two exchanges with the gas).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {
     /// [s] simulated time of each of the two continuations.
@@ -133,12 +134,12 @@ pub enum HalvedStep {
     Unknown(String),
 }
 
-/// Trust sheet of one variant: checks that show how far its results are reliable.
+/// Trust sheet of one variant (experiment of a case): checks that show how far its results are reliable.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrustSheet {
     /// Name of the variant.
     pub variant: String,
-    /// Checks of the results of the variant.
+    /// Checks of the results, each with its judgement.
     pub checks: Vec<TrustCheck>,
     /// Effect of halving the time step and the window (time between two exchanges with the gas).
     pub halved_step: HalvedStep,

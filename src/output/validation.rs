@@ -38,11 +38,11 @@ impl ValidationTier {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ValidationRule {
-    /// The result has no scatter. The number agrees if its deviation is at most the tolerance, otherwise it is
-    /// different.
+    /// The result is not random. The number agrees with its reference if the deviation is at most the tolerance;
+    /// otherwise it is different.
     Tolerance,
-    /// The result has a standard error. Student's t test finds a difference, and two one-sided tests find equivalence
-    /// within the margin (largest accepted difference).
+    /// The result is random and has a standard error. A difference is found by Student's t test, and equivalence within
+    /// the margin (largest accepted difference) by two one-sided tests.
     Margin,
 }
 
@@ -55,9 +55,10 @@ pub struct ValidationNumber {
     pub unit: &'static str,
     /// Reference value with its standard error (0 for an exact value), in the unit of the number.
     pub reference: Estimate,
-    /// Value computed by this program, with its standard error (0 without scatter), in the unit of the number.
+    /// Value computed by this program, with its standard error (0 if the result is not random), in the unit of the
+    /// number.
     pub ours: Estimate,
-    /// [-] degrees of freedom of the standard error of the result of this program.
+    /// [-] number of degrees of freedom of the standard error of `ours`, for Student's t test.
     pub freedom: f64,
     /// Tolerance or margin: largest accepted magnitude of the difference, in the unit of the number.
     pub allowed: f64,
@@ -73,7 +74,8 @@ impl ValidationNumber {
         self.ours.less(self.reference)
     }
 
-    /// [-] magnitude of the difference from the reference, divided by the largest accepted one (tolerance or margin).
+    /// [-] magnitude of the difference from the reference, divided by the largest accepted difference (tolerance or
+    /// margin).
     pub fn share(&self) -> f64 {
         self.difference().value.abs() / self.allowed
     }
@@ -101,7 +103,7 @@ fn with_unit(number: String, unit: &str) -> String {
 pub struct ValidationRow {
     /// Name of the row (comparison of the suite), as in the option `--only`.
     pub name: &'static str,
-    /// Kind of the reference: closed form, other code or experiment.
+    /// Kind of the reference: exact formula, other code or experiment.
     pub tier: ValidationTier,
     /// Description, in words, of the scene that the comparison computes.
     pub scene: &'static str,
@@ -122,7 +124,8 @@ pub struct ValidationRow {
 }
 
 impl ValidationRow {
-    /// Answer of the row (comparison): the worst answer of its numbers. It is `Unresolved` if a run stopped.
+    /// Answer of the row (comparison): the worst answer of its numbers. It is `Unresolved` if a run stopped, or if
+    /// there are no numbers.
     pub fn answer(&self) -> Answer {
         let worst = self.numbers.iter().map(|number| number.answer).max();
         worst.filter(|_| self.failure.is_none()).unwrap_or(Answer::Unresolved)
@@ -167,7 +170,7 @@ pub struct ValidationStudy<'a> {
     pub provenance: &'a Provenance,
     /// Rows (comparisons) of the suite in the order of the report.
     pub rows: &'a [ValidationRow],
-    /// Names of the rows (comparisons) that the option `--quick` leaves out.
+    /// Names of the rows (comparisons) that were left out because of the option `--quick`.
     pub left_out: &'a [&'static str],
     /// Comparisons that the suite does not make.
     pub not_validated: &'a [NotValidated],

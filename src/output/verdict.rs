@@ -4,31 +4,31 @@
 use crate::statistics::{Answer, Comparison, Estimate};
 use serde::Serialize;
 
-/// Kind of data by which a variant is compared with its reference.
+/// Kind of data by which a variant (experiment of a case) is compared with its reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Basis {
-    /// Averages over the time in which both the variant and the reference are steady.
+    /// Averages over the time in which both compared runs are steady.
     Averages,
-    /// Curves over time of the variant and the reference, from several replicas (runs with different seeds) of each.
+    /// Curves over time, each the mean of several replicas (runs with different seeds).
     Curves,
-    /// Positions and velocities of each particle in both runs at equal times.
+    /// Positions and velocities of each particle, in both compared runs at equal times.
     Paths,
     /// No data could be compared.
     Nothing,
 }
 
-/// Comparison of a variant with its reference.
+/// Comparison of a variant (experiment of a case) with its reference.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verdict {
-    /// Name of the variant that is compared.
+    /// Name of the variant (experiment of a case) that is compared.
     pub variant: String,
-    /// Name of the reference with which the variant is compared.
+    /// Name of the reference (another experiment of the case, or a table of values) with which the variant is compared.
     pub reference: String,
     /// Answer: equivalent, different or unresolved.
     #[serde(rename = "verdict")]
     pub answer: Answer,
-    /// Kind of data by which the variant and the reference were compared.
+    /// Kind of data, such as averages, by which the variant and its reference were compared.
     pub basis: Basis,
     /// Sentence that states the answer for the report.
     pub sentence: String,
@@ -37,18 +37,19 @@ pub struct Verdict {
     /// [-] margin of equivalence: largest accepted difference, divided by the scale (reference magnitude) of the
     /// observable.
     pub margin: f64,
-    /// Tests of the compared observables; `None` for a comparison of paths.
+    /// Statistical tests of the compared observables; `None` for a comparison of paths.
     pub comparison: Option<Comparison>,
-    /// Differences of the numbers that the variant and the reference both measure under `[observe]`. They have no
-    /// effect on `answer`. Empty unless averages were compared.
+    /// Differences in the numbers that the variant and its reference both measure because the case has a table
+    /// `[observe]`. They have no effect on `answer`. Empty unless averages were compared.
     #[serde(rename = "observe")]
     pub observed: Vec<ObservedDifference>,
-    /// Further remarks about the variant and its reference, one sentence each.
+    /// Further remarks on the comparison of the variant with its reference, one sentence each.
     #[serde(skip)]
     pub further: Vec<String>,
 }
 
-/// Difference between a variant and its reference in a number that both measure under `[observe]`.
+/// Difference between a variant (experiment of a case) and its reference in a number that both measure because the case
+/// has a table `[observe]`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ObservedDifference {
     /// Name of the measurement in the case.
@@ -60,13 +61,13 @@ pub struct ObservedDifference {
     pub symbol: String,
     /// SI unit of the number; empty for a pure number.
     pub unit: &'static str,
-    /// Value of the variant minus value of the reference, in the unit of the number, with its standard error. The error
-    /// is unknown for too short runs.
+    /// Value of the variant (experiment of a case) minus value of its reference, in the unit of the number, with its
+    /// standard error. The error is unknown if the runs are too short.
     pub difference: Estimate,
     /// [%] difference in per cent of the magnitude of the reference. `None` if the reference is zero within its error.
     pub percent: Option<Estimate>,
-    /// [-] probability that equal systems show a difference of at least this size, for this number alone. `None`
-    /// without a standard error.
+    /// [-] probability that two equal systems show a difference of at least this size by chance, for this number alone.
+    /// `None` without a standard error.
     pub chance: Option<f64>,
     /// [-] smallest margin (largest accepted difference) with which the answer would be "equivalent", divided by the
     /// reference. `None` if the reference is zero within its error, or without a standard error.

@@ -1,21 +1,21 @@
-//! Files that a frame (instant) of a trajectory has in addition to the file of its particles, for ParaView.
+//! Files for ParaView that a frame (instant) of a trajectory has in addition to the file of its particles.
 
 use super::Vtp;
 use crate::observe::ContactLine;
 
-/// File that a frame has in addition to the file of its particles. The discriminant, such as `Walls = 1`, is the part
-/// number of the file in the index for ParaView.
+/// File that a frame (instant of a trajectory) has in addition to the file of its particles. The discriminant, such as
+/// `Walls = 1`, is the part number of the file in the index for ParaView.
 #[derive(Clone, Copy)]
 pub(super) enum Beside {
-    /// Surfaces of the walls at the instant of the frame, if walls move.
+    /// Surfaces of the walls at one instant, if walls move.
     Walls = 1,
-    /// Contacts at the instant of the frame, if the case requests the contact network.
+    /// Contacts of the particles at one instant, if the case requests the contact network.
     Contacts = 2,
 }
 
 impl Beside {
-    /// Path of the file for the frame number `number` of the trajectory `name`, relative to the folder of the
-    /// trajectories.
+    /// Path of the file for the frame (instant) with the number `number` of the trajectory `name`, relative to the
+    /// folder of the trajectories.
     pub(super) fn path(self, name: &str, number: usize) -> String {
         let kind = match self {
             Self::Walls => "walls",

@@ -1,5 +1,5 @@
-//! Data of one frame (instant) of a trajectory, and the formats of the file of a frame. The store of a simulation is
-//! the memory with the data of all its particles.
+//! Data of one frame (instant) of a trajectory, and the formats of its file. The store of a simulation is the memory
+//! with the data of all its particles.
 
 use super::vtp::Vtp;
 use crate::domain::Domain;
@@ -18,7 +18,7 @@ const ISLAND: u8 = 1;
 /// event queue.
 const EVERYONE: u8 = 2;
 
-/// Particles at one instant, for a trajectory file. The memory is reused from frame to frame.
+/// Particles at one instant, for a trajectory file. The memory is reused from instant to instant.
 #[derive(Debug, Default)]
 pub(super) struct TrajectoryFrame {
     /// [s] simulated time of the instant.
@@ -28,12 +28,13 @@ pub(super) struct TrajectoryFrame {
     /// [rad/s] spins of the particles; `None` if spheres do not rotate.
     spin: Option<Vec<Vector3<f64>>>,
     id: Vec<u32>,
-    /// One entry for each particle in each contact: index of the particle in the store, and overlap [m].
+    /// One entry for each particle in each contact: index of the particle in the store (memory with all particles), and
+    /// overlap [m].
     contacts: Vec<(u32, f64)>,
     /// Indices of the particles in islands (groups of particles that may touch each other); `None` if all particles
     /// were moved together.
     islands: Option<Vec<u32>>,
-    /// Data of each particle, in the order of the ids. They are available after [`sort`](Self::sort).
+    /// Further data of each particle, in the order of the ids. They are available after [`sort`](Self::sort).
     own: Vec<Own>,
 }
 
@@ -70,8 +71,8 @@ impl Cast {
     }
 }
 
-/// Rank of each particle in the order of the ids, which must be distinct. If the ids are 0 to N - 1, each rank is the
-/// id.
+/// Rank of each particle, which is its position, from 0, when the particles are sorted by id. The ids must be distinct.
+/// If the ids of N particles are 0 to N - 1, each rank is the id.
 fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
     let count = ids.len() as u32;
     if ids.iter().all(|id| *id < count) {
@@ -89,7 +90,7 @@ fn ranks(ids: &[u32]) -> Cow<'_, [u32]> {
 /// Data of one particle at one instant of a trajectory, which can be sorted by id.
 #[derive(Clone, Copy, Debug, Default)]
 struct Own {
-    /// Index of the particle in the store.
+    /// Index of the particle in the store (memory with the data of all particles).
     index: u32,
     /// [m] largest overlap among the contacts of the particle.
     overlap: f64,
@@ -134,14 +135,14 @@ impl TrajectoryFrame {
         }
     }
 
-    /// File of one instant in the format VTK PolyData, as three parts to be written one after the other. The memory of
-    /// `memory` is used again.
+    /// File of one instant in the format VTK PolyData, as three parts to be written one after the other. The bytes of
+    /// `memory` are overwritten, so that no new memory is needed.
     pub(super) fn vtp(&self, cast: &Cast, memory: Vec<u8>) -> [Vec<u8>; 3] {
         self.arrays(cast, memory).finish()
     }
 
-    /// Contents of the file that joins the pieces of one instant; each process has written its particles as a piece.
-    /// `time` [s] is the simulated time. The pieces contain spins if `rotate` is true; `pieces` has the names of their
+    /// Contents of the file that joins the pieces of one instant. A piece is a file with the particles of one process.
+    /// `time` [s] is the simulated time. The pieces contain spins if `rotate` is true. `pieces` has the names of their
     /// files.
     pub(super) fn joined(time: f64, rotate: bool, pieces: impl Iterator<Item = String>) -> Vec<u8> {
         let domain = Domain::new(Vector3::repeat(1.0), [false; 3]);

@@ -114,7 +114,7 @@ pub struct Trajectory<'scope> {
     asked: Trajectories,
     /// Law by which the forces of contacts are computed; `None` if the trajectory contains no contacts.
     contacts: Option<ContactLaw>,
-    /// Channel to the writing thread; `None` after the trajectory is finished.
+    /// Channel to the thread that writes the files; `None` after the trajectory is finished.
     frames: Option<SyncSender<WriterMessage>>,
     /// Channel by which the writing thread returns the data of frames (instants of the trajectory) that it has written,
     /// so that their memory is used again.
@@ -185,14 +185,14 @@ impl<'scope> Trajectory<'scope> {
         }
     }
 
-    /// Writes also the contacts of soft spheres for ParaView, with forces by the law `law`. With `None`, or without
-    /// files in VTK, there are no contacts.
+    /// Makes the trajectory also write the contacts of soft spheres for ParaView, with forces by the contact law `law`.
+    /// No contacts are written if `law` is `None`, or if the trajectory has no files in the format VTK.
     pub fn with_contacts(self, law: Option<ContactLaw>) -> Self {
         Self { contacts: law.filter(|_| self.asked.format.is_vtp()), ..self }
     }
 
     fn send(&mut self, message: WriterMessage) {
-        // sending fails if the thread has ended; `finish` then stores the error of the thread
+        // sending fails if the writing thread has ended; `finish` then stores the error of this thread
         if self.frames.as_ref().is_none_or(|frames| frames.send(message).is_err()) {
             self.finish();
         }
@@ -210,8 +210,8 @@ impl<'scope> Trajectory<'scope> {
         self.failed = self.failed.take().or(failed);
     }
 
-    /// True if no file of the trajectory is to be written for `time` [s], because it exists, or because writing has
-    /// failed.
+    /// True if no file of the trajectory is to be written for `time` [s], because the file exists already, or because
+    /// writing has failed.
     fn is_done(&self, time: f64) -> bool {
         self.failed.is_some() || self.times.last().is_some_and(|last| *last >= time)
     }
@@ -267,7 +267,8 @@ impl<'scope> Trajectory<'scope> {
 
 impl Observer for Trajectory<'_> {
     /// [s] simulated time of the next frame (file of one instant): the next whole multiple of the requested interval.
-    /// So the times are equal in all variants, for windows (times between two exchanges with the gas) of any length.
+    /// So the times are equal in all experiments of a case, for windows (times between two exchanges with the gas) of
+    /// any length.
     fn next(&self, now: f64, _schedule: &Schedule) -> Option<f64> {
         // 1e-9 allows for the rounding error of a sum of windows
         Some(((now / self.asked.every * (1.0 + 1e-9)).floor() + 1.0) * self.asked.every)
@@ -324,14 +325,15 @@ struct Writer<'env> {
     /// Simulated time [s] of each written frame (instant of the trajectory). The flag is true if each process has
     /// written its particles of the frame as a piece.
     frames: Vec<(f64, bool)>,
-    /// Number of frames (instants of the trajectory) that the index file on the disk lists.
+    /// Number of frames (instants of the trajectory) that the index file on the disk lists. The index is written
+    /// rarely.
     listed: usize,
     /// True if one file contains the walls for the whole trajectory, because no wall moves.
     walls: bool,
     /// True if spheres rotate, so that the trajectory contains spins.
     rotates: bool,
-    /// Names of files that an earlier part of the run wrote for the same instants. They are removed once the index does
-    /// not list them.
+    /// Names of files that an earlier part of the run wrote for the same instants. They are removed when the index file
+    /// no longer lists them.
     spare: Vec<String>,
 }
 

@@ -1,5 +1,5 @@
-//! Frames of a run that several processes share. Each process writes its own particles as a piece of the frame (file of
-//! one instant), and the lead process (rank 0) joins the pieces.
+//! Frames (files of one instant) of a trajectory of a run that several processes share. Each process writes its own
+//! particles as a piece of the frame, and the lead process (rank 0) joins the pieces.
 
 use super::frame::{Cast, TrajectoryFrame};
 use super::{TRAJECTORY, Trajectory, WriterMessage};
@@ -20,7 +20,7 @@ pub(super) fn joined(name: &str, number: usize) -> String {
     format!("{TRAJECTORY}/{name}/{number:06}.pvtp")
 }
 
-/// Piece of a frame: the particles of this process at one instant. The memory is reused from frame to frame.
+/// Piece of a frame: the particles of this process at one instant. The memory is reused from instant to instant.
 #[derive(Debug, Default)]
 pub(super) struct FramePiece {
     frame: TrajectoryFrame,

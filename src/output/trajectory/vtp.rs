@@ -10,13 +10,14 @@ use std::fmt::Write;
 /// the size of an array entry, which has 1, 3 or 6 numbers of at most 8 bytes.
 const PIECE: usize = 6144;
 
-/// VTK file under construction. The header describes the arrays, and the bytes of the arrays follow in the same order.
+/// VTK file under construction: a header in XML that describes the arrays, and the bytes of the arrays in the same
+/// order.
 pub(in crate::output) struct Vtp {
     /// Kind of the data set in VTK: `PolyData`, or `ImageData` for a grid.
     kind: &'static str,
     header: String,
     data: Vec<u8>,
-    /// Declarations of the arrays of points, for a file that joins several pieces.
+    /// XML text that declares the arrays with values per point, for a file that joins several pieces.
     of_points: String,
 }
 
@@ -44,8 +45,9 @@ macro_rules! numbers {
 numbers!(f64: "Float64", i32: "Int32", u32: "UInt32", u16: "UInt16", u8: "UInt8");
 
 impl Vtp {
-    /// Begins a VTK file of the state at `time` [s] with the given numbers of points, vertices and polygons. The memory
-    /// of `memory` is used again for the data.
+    /// Begins a VTK file of the state at `time` [s] with the given numbers of points, vertex cells (cells that make
+    /// points visible) and polygons. The bytes of `memory` are overwritten by the data, so that no new memory is
+    /// needed.
     pub(super) fn begin(memory: Vec<u8>, time: f64, [points, vertices, polygons]: [usize; 3]) -> Self {
         let counts = format!("NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfPolys=\"{polygons}\"");
         Self::of_kind("PolyData", memory, time, ["", &counts])
@@ -87,8 +89,8 @@ impl Vtp {
         file.finish().concat()
     }
 
-    /// Begins a VTK file with the kind of data set `kind`. `whole` and `piece` are the XML attributes of the data set
-    /// and of its piece.
+    /// Begins a VTK file with a data set of the kind `kind`, at the simulated time `time` [s]. `whole` and `piece` are
+    /// the XML attributes of the data set and of its only piece.
     fn of_kind(kind: &'static str, mut memory: Vec<u8>, time: f64, [whole, piece]: [&str; 2]) -> Self {
         memory.clear();
         let mut header = format!(
@@ -113,7 +115,7 @@ impl Vtp {
         }
     }
 
-    /// Adds an array with the name `name` and with `C` numbers per entry, such as per point or cell.
+    /// Adds an array with the name `name`. An entry belongs, for example, to a point or a cell, and has `C` numbers.
     pub(in crate::output) fn array<T: Number, const C: usize>(
         &mut self,
         name: &str,
@@ -147,7 +149,7 @@ impl Vtp {
         self.data[start..start + 8].copy_from_slice(&length.to_le_bytes());
     }
 
-    /// Text of a VTK file that joins the files `pieces` of the state at `time` [s]. The names of the pieces are
+    /// Text of a VTK file that joins several files (`pieces`) of the state at `time` [s]. The names of the pieces are
     /// relative to this file.
     pub(super) fn join(self, time: f64, pieces: impl Iterator<Item = String>) -> Vec<u8> {
         let mut text = String::from(

@@ -10,9 +10,9 @@ use nalgebra::Vector3;
 /// Surface as the list of its corners [m], and a list of polygons. A polygon is a list of indices of corners.
 pub(in crate::output) type DrawnSurface = (Vec<Vector3<f64>>, Vec<Vec<u32>>);
 
-/// VTK PolyData file with the surfaces of all walls at `time` [s], as three parts to be written one after the other.
-/// The walls of `scene` must be at their places of that time. For each polygon, the file contains the index of its wall
-/// in the case. `None` if no wall has a surface in the box.
+/// VTK file (of the kind PolyData) with the surfaces of all walls at `time` [s], as three parts to be written one after
+/// the other. Moving walls of `scene` must already be at their places at that time. For each polygon, the file contains
+/// the index of its wall in the case. `None` if no wall has a surface in the box.
 pub(super) fn walls(scene: &Scene, time: f64) -> Option<[Vec<u8>; 3]> {
     let surfaces = scene.walls.iter().map(|wall| match &wall.geometry {
         WallGeometry::Plane(plane) => flat(plane, &scene.domain),
