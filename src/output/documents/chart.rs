@@ -1,4 +1,4 @@
-//! Document of the work-precision chart, which shows the error of each method over its computing cost.
+//! Document of the work-precision chart, which shows the error of each method as a function of its computing cost.
 
 use crate::experiment::Model;
 use crate::output::document::{Block, Document, Table, TextRow, columns, known, text};
@@ -20,7 +20,7 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
         provenance: study.provenance,
         failures: Vec::new(),
         verdicts: study.verdicts,
-        // the body of the page has a separate verdict for each quantity, so that none is at the top
+        // no answer is at the top of the page, because the body has a separate answer for each quantity
         answers: 0,
         front: Vec::new(),
         notes: study.notes,
@@ -40,9 +40,9 @@ pub fn write_chart(folder: &Folder, study: &ChartStudy) -> Result<PathBuf, Outpu
     document.write(folder, numbers)
 }
 
-/// Answers of a work-precision chart as a table for a terminal. For each quantity the table contains the cheapest soft
-/// and hard method within 1 %, and those within 0.1 %, with the number of operations of one run. Within a limit means
-/// that the error plus two standard errors does not exceed it.
+/// Answers of a work-precision chart as a table for a terminal. For each quantity, the table has the cheapest soft and
+/// the cheapest hard method with an error of at most 1 %, and those with an error of at most 0.1 %. The error includes
+/// two of its standard errors. For each method, the table has the number of operations of one run.
 pub fn chart_answers(study: &ChartStudy) -> String {
     let rows = study.quantities.iter().enumerate().flat_map(|(index, quantity)| {
         [(0.01, "1 %"), (0.001, "0.1 %")].map(|(target, words)| -> TextRow {
@@ -66,13 +66,13 @@ pub fn chart_answers(study: &ChartStudy) -> String {
     )])
 }
 
-/// Explanation of the marks in the diagrams, for the page.
+/// Explanation of the lines and marks in the diagrams, for the page.
 const READING: &str = "Operations: pair checks, force evaluations and events of one run together; they are the same on every machine. Bars: one standard error. \
      Pale and broad: what no other point beats; thin dashed: the same among soft methods. Diamond: the cheapest within 1 % for certain. Line marked chance: what chance alone \
      makes of one run, where there is chance; points below it say no more than points on it. Points on the lower frame: errors of 1e-9 or less. Stars on the upper frame: \
      failures, at the cost until then.";
 
-/// Main part of the page: a diagram and the cheapest methods of each quantity, then the data.
+/// Main part of the page: for each quantity a diagram and the cheapest methods, then the data.
 fn body(study: &ChartStudy, figures: usize) -> Vec<Block> {
     let mut body = vec![
         Block::entries([("each point", study.setting.to_owned()), ("reference", study.reference.to_owned())]),
@@ -141,8 +141,8 @@ fn reference(of: &ChartQuantity) -> Vec<String> {
 }
 
 impl ChartStudy<'_> {
-    /// Sentence that names the cheapest soft and the cheapest hard method with an error within 1 % in the quantity with
-    /// the index `index`.
+    /// Sentence that names the cheapest soft and the cheapest hard method whose error in the quantity with the index
+    /// `index` is at most 1 %.
     fn aloud(&self, index: usize) -> String {
         let (target, words) = figures::WITHIN;
         let floor = self.quantities[index].floor;
@@ -188,7 +188,7 @@ impl ChartStudy<'_> {
         ]
     }
 
-    /// Name of the method of a point, followed by the value of its swept parameter.
+    /// Name of the method of a point, followed by the value of the parameter of this method that is swept (varied).
     fn knob(&self, point: &ChartPoint) -> String {
         let method = &self.methods[point.method];
         let value = if method.unit == "s" { quantity(point.knob, "s", 3) } else { significant(point.knob, 4) };

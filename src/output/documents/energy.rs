@@ -5,8 +5,8 @@ use crate::output::document::{Block, Table, TextRow};
 use crate::output::numbers::{Prefix, percent, significant};
 use serde_json::{Value, json};
 
-/// [-] magnitude of the unexplained energy over the sum of all energies in the balance, above which the unexplained
-/// energy is highlighted. The error of the integrator at 20 steps per contact is much smaller.
+/// [-] largest accepted magnitude of the unexplained energy, divided by the sum of all energies in the balance. A
+/// larger one is highlighted. The error of the time integrator at 20 steps per contact is much smaller.
 const SUSPECT_RESIDUAL: f64 = 1e-3;
 
 /// Notes on the energy that the restitution would have removed from collisions in quick succession. A collision that
@@ -27,7 +27,7 @@ fn notes_on_contact_time(outcomes: &[Outcome], prefix: &Prefix) -> Vec<Block> {
     outcomes.iter().filter(|o| o.record.ledger.contact_time_kept > 0.0).map(note).collect()
 }
 
-/// Parts of the page about the energy balance of each variant.
+/// Parts of the page about the energy balance of each variant (experiment of a case).
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     let largest = outcomes
         .iter()
@@ -45,7 +45,7 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     let work = |name: &str, of: fn(&Outcome) -> f64| {
         row(name, &|o| format!("{} ({})", joule(of(o)), percent(of(o), through(o))))
     };
-    // a loss that is only the rounding error of impulses has no meaningful digit
+    // a loss that is only a rounding error of impulses is shown as 0, because none of its digits has a meaning
     let loss = |name: &str, of: fn(&Outcome) -> f64| {
         row(name, &|o| {
             let rounding = (of(o) / through(o)).abs() < 1e-12;
@@ -110,8 +110,8 @@ fn relative_residual(outcome: &Outcome) -> Option<f64> {
     (through > 0.0).then(|| residual / through)
 }
 
-/// Energies of a variant for `summary.json`: start, end, and the terms of the energy balance. Terms of parts that the
-/// scene lacks, such as shear, are left out.
+/// Energies of an experiment for `summary.json`: at the start, at the end, and the terms of the energy balance. Terms
+/// of features that the scene lacks, such as shear, are left out.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let ledger = &outcome.record.ledger;
     let mut energies = json!({ "at_start": outcome.energy_at_start, "at_end": outcome.energy_at_end });

@@ -45,7 +45,7 @@ pub fn write_files_study(folder: &Folder, study: &FilesStudy) -> Result<PathBuf,
     document.write(folder, numbers)
 }
 
-/// Two rows of a table for one quantity: side A and side B of the comparison.
+/// Two rows of a table for one quantity: one for side A and one for side B of the comparison.
 fn rows(quantity: &FilesQuantity) -> Vec<TextRow> {
     quantity.sides.iter().zip(["A", "B"]).map(|(side, letter)| (false, row(quantity, side, letter))).collect()
 }

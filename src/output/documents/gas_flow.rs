@@ -10,7 +10,8 @@ use crate::output::document::Block;
 use crate::output::numbers::{significant, with_error};
 use serde_json::{Value, json};
 
-/// Table of the gas flow with and without particles. Empty if the particles do not change the gas flow in any variant.
+/// Table of the gas flow with and without particles. The list is empty if the particles do not change the gas flow in
+/// any experiment.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|outcome| outcome.gas.is_none()) {
         return Vec::new();
@@ -44,8 +45,8 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     blocks
 }
 
-/// Sentence about a variant whose mean gas flow is outside the range of the turbulence model. `None` if it is within
-/// the range, or if the particles do not change the gas flow.
+/// Sentence about an experiment whose mean gas flow is outside the range of the turbulence model. `None` if the flow is
+/// within this range, or if the particles do not change the gas flow.
 fn beyond_the_model(outcome: &Outcome) -> Option<String> {
     let (gas, fluid) = (outcome.gas.as_ref()?, outcome.experiment.scene.fluid.as_ref()?);
     let flow = fluid.profile.channel_flow()?;
@@ -69,7 +70,7 @@ fn remaining_turbulence(gas: &GasFlow) -> Option<f64> {
     Some(gas.mean.last()?.k / gas.alone.last()?.k)
 }
 
-/// Gas flow of a variant for `summary.json`, in SI units; null if the particles do not change it.
+/// Gas flow of an experiment for `summary.json`, in SI units; null if the particles do not change the flow.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let Some(gas) = &outcome.gas else { return Value::Null };
     json!({
@@ -84,7 +85,7 @@ pub(super) fn json(outcome: &Outcome) -> Value {
 }
 
 /// Contents of `gas.csv`: the gas without particles, and the time average of the gas with particles, at the grid points
-/// from the wall to the middle. `None` if the particles do not change the gas flow in any variant.
+/// from the wall to the middle. `None` if the particles do not change the gas flow in any experiment.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

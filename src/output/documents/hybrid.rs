@@ -11,7 +11,7 @@ use crate::record::Impacts;
 use serde_json::{Value, json};
 
 /// Parts of the report about instantaneous impacts: their share, the neglected durations and overlaps, and the realised
-/// restitution of instantaneous impacts and of soft contacts. Empty without a hybrid variant.
+/// restitution of instantaneous impacts and of soft contacts. The list is empty if no run is hybrid.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|outcome| outcome.experiment.model() != Model::Hybrid) {
         return Vec::new();
@@ -67,9 +67,9 @@ fn contacts_restitution(impacts: &Impacts) -> Option<f64> {
     (impacts.count > impacts.instants.count).then(|| (after / before).sqrt())
 }
 
-/// [-] share of the time in which particles would have been in contact if instantaneous impacts had lasted for a
-/// contact time. The contact times of these impacts are summed over all particles, and divided by the simulated time
-/// times the mean number of particles. It is 0 without particles.
+/// [-] share of time for which a particle, on average, would have been in contact if each instantaneous impact had
+/// lasted for a contact time. These contact times are summed over all particles. The sum is divided by the simulated
+/// time times the mean number of particles. The share is 0 without particles.
 fn time_left_out(outcome: &Outcome) -> f64 {
     let record = &outcome.record;
     let time = 2.0 * record.pairs.instants.duration() + record.walls.instants.duration();
@@ -77,7 +77,8 @@ fn time_left_out(outcome: &Outcome) -> f64 {
     if total > 0.0 { time / total } else { 0.0 }
 }
 
-/// Numbers about instantaneous impacts of a hybrid run for `summary.json`; `null` for other models.
+/// Numbers about the instantaneous impacts of a hybrid run for `summary.json`; `null` for runs with other collision
+/// models.
 pub(super) fn json(outcome: &Outcome) -> Value {
     if outcome.experiment.model() != Model::Hybrid {
         return Value::Null;

@@ -64,8 +64,8 @@ pub fn write_impact(folder: &Folder, study: &ImpactStudy) -> Result<PathBuf, Out
     document.write(folder, numbers)
 }
 
-/// Table of restitution, contact time and largest overlap of each variant. If there is a closed-form solution, a
-/// further row contains its values.
+/// Table of restitution, contact time and largest overlap of each variant (experiment of a case). If there is a
+/// closed-form solution, a further row contains the values of this solution.
 fn values(study: &ImpactStudy) -> Block {
     let cells = |name: &str, model: &str, values: &BounceValues, exact: Option<&BounceValues>| {
         let off = |asked: Option<f64>| Some(values.restitution? - asked?);
@@ -93,8 +93,8 @@ fn values(study: &ImpactStudy) -> Block {
     )
 }
 
-/// Sentence that a softer spring takes fewer time steps but overlaps more deeply. It names the variant with the deepest
-/// overlap, and is empty if there is no overlap.
+/// Sentence stating that a softer spring takes fewer time steps but overlaps more deeply. The sentence names the
+/// variant (experiment of a case) with the deepest overlap, and is empty if there is no overlap.
 fn softness(study: &ImpactStudy) -> Block {
     let share =
         |bounce: &Bounce| Some(bounce.values.maximum_overlap.filter(|overlap| *overlap > 0.0)? / study.diameter);
@@ -110,14 +110,14 @@ fn softness(study: &ImpactStudy) -> Block {
     Block::note(words.unwrap_or_default())
 }
 
-/// Row with the time step, and the number of time steps or events of a variant. Wall-clock time is left out, because it
-/// is mostly spent on preparing the impact and storing its path.
+/// Row of a table with the time step, and with the number of time steps or events of an experiment. Wall-clock time is
+/// left out, because it is mostly spent on preparing the impact and storing its path.
 fn work(bounce: &Bounce) -> TextRow {
     let step = quantity(bounce.time_step, "s", 3);
     (bounce.failure.is_some(), vec![bounce.name.clone(), step, count(bounce.work)])
 }
 
-/// Results of one variant of an impact study for `summary.json`.
+/// Results of one experiment of an impact study for `summary.json`.
 fn numbers(bounce: &Bounce) -> Value {
     json!({
         "name": bounce.name,

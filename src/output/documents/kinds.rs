@@ -6,8 +6,8 @@ use crate::output::document::{Block, TextRow};
 use crate::output::numbers::{count, significant, with_error};
 use crate::output::{OutputError, csv};
 
-/// Tables of the species, and of the impacts of each pair of kinds (species or walls). Empty if all particles are of
-/// one species.
+/// Tables of the species, and of the impacts between two species or between a species and a wall. The list is empty if
+/// all particles are of one species.
 pub fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|outcome| outcome.kinds.species.is_empty()) {
         return Vec::new();

@@ -56,7 +56,8 @@ pub fn write_limits(folder: &Folder, study: &LimitsStudy) -> Result<PathBuf, Out
     Ok(page)
 }
 
-/// Table of the maps for a terminal. For each map, it contains the number of points with each outcome.
+/// Table of the maps (which show for which settings a method fails) for a terminal. For each map, the table contains
+/// the number of points with each outcome.
 pub fn limits_answers(study: &LimitsStudy) -> String {
     let rows = study.maps.iter().map(|map| -> TextRow {
         let outcomes = map.outcomes().into_iter().map(|(name, number)| format!("{} {name}", count(number)));
@@ -66,8 +67,8 @@ pub fn limits_answers(study: &LimitsStudy) -> String {
 }
 
 impl LimitsStudy<'_> {
-    /// Section of the page about one map. `place` is the index of its picture, and `seconds` the wall-clock time of its
-    /// runs [s].
+    /// Section of the page about one map. `place` is the index of the picture of the map, and `seconds` the wall-clock
+    /// time of its runs [s].
     fn section(&self, place: usize, map: &Map, seconds: f64) -> Vec<Block> {
         let outcomes: Vec<String> =
             map.outcomes().iter().map(|(name, number)| format!("{} {name}", count(*number))).collect();

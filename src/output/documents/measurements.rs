@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 const NUMBERS: &str = "observables.csv";
 
 /// Table of the numbers of all measurements with their theories, followed by pictures. `pictures` returns the parts of
-/// the document with the figures of a given name. Empty if no variant has a measurement.
+/// the document with the figures of a given name. The list is empty if the case requests no measurement.
 pub(super) fn blocks(outcomes: &[Outcome], pictures: impl Fn(&str) -> Vec<Block>) -> Vec<Block> {
     let row = |(outcome, observed): (&Outcome, &Observation)| {
         let name = outcome.experiment.name.clone();
@@ -30,7 +30,7 @@ pub(super) fn blocks(outcomes: &[Outcome], pictures: impl Fn(&str) -> Vec<Block>
                 Some((source, value)) => (significant(value, 4), source.to_owned()),
                 None => (String::new(), String::new()),
             };
-            // an error that is only rounding, as for a bed at rest, counts as no error
+            // an error that is only a rounding error, such as that for a bed at rest, counts as 0
             let is_rounding = |value: &Estimate| value.error.is_some_and(|error| error < 1e-12 * value.value.abs());
             let value =
                 number.value.map(|value| if is_rounding(&value) { Estimate::exact(value.value) } else { value });
@@ -73,12 +73,12 @@ fn in_errors(number: &ObservedNumber) -> String {
     difference.map_or_else(String::new, |errors| significant(errors, 2))
 }
 
-/// Results of all measurements of all variants, each with the outcome of its variant.
+/// Results of all measurements in all runs, each with the results of its run.
 fn all(outcomes: &[Outcome]) -> impl Iterator<Item = (&Outcome, &Observation)> {
     outcomes.iter().flat_map(|outcome| outcome.observations.iter().map(move |observed| (outcome, observed)))
 }
 
-/// Names of the measurements of all variants, without repetition.
+/// Names of the measurements in all runs, without repetition.
 fn names(outcomes: &[Outcome]) -> impl Iterator<Item = &'static str> {
     let mut names: Vec<&'static str> = Vec::new();
     for (_, observed) in all(outcomes) {
@@ -89,12 +89,12 @@ fn names(outcomes: &[Outcome]) -> impl Iterator<Item = &'static str> {
     names.into_iter()
 }
 
-/// True if the measurement with the name `name` gives curves in at least one variant, and not only single numbers.
+/// True if the measurement with the name `name` gives curves in at least one run, and not only single numbers.
 fn has_curves(outcomes: &[Outcome], name: &str) -> bool {
     all(outcomes).any(|(_, observed)| observed.name == name && !observed.curves.is_empty())
 }
 
-/// Single numbers of each measurement of a variant for `summary.json`, in SI units.
+/// Single numbers that each measurement of a run gives, for `summary.json`, in SI units.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let numbers = |observed: &Observation| {
         let each = observed.numbers.iter().map(|number| {
@@ -113,8 +113,8 @@ pub(super) fn json(outcome: &Outcome) -> Value {
     outcome.observations.iter().map(numbers).collect()
 }
 
-/// Files of the measurements, each as its name and contents: one table with the curves of each measurement, and one
-/// with the numbers of all measurements. Contacts and fields on grids have files for ParaView.
+/// Files of the measurements, each as its name and contents: a table with the curves of each measurement, and a table
+/// with the single numbers of all measurements. Contacts and fields on grids have files for ParaView.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -138,8 +138,8 @@ pub(super) fn tables(outcomes: &[Outcome]) -> Result<Vec<(String, Vec<u8>)>, Out
     Ok(tables)
 }
 
-/// Contents of the file with the curves of one measurement, with one row per variant and place. Variants may have
-/// different curves; cells of a curve that a variant lacks are empty.
+/// Contents of the file with the curves of one measurement, with one row per variant (experiment of a case) and place
+/// (abscissa of the curves). Variants may have different curves; cells of a curve that a variant lacks are empty.
 fn curves(results: &[(&Outcome, &Observation)]) -> Result<Vec<u8>, OutputError> {
     let mut columns: Vec<(&str, bool)> = Vec::new();
     for curve in results.iter().flat_map(|(_, observed)| &observed.curves) {

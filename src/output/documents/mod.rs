@@ -1,4 +1,4 @@
-//! Documents of the studies, one file for each study or part of a report.
+//! Documents (contents of reports) of the studies, one file for each study or part of a report.
 
 mod chart;
 mod energy;

@@ -9,12 +9,12 @@ use crate::output::document::Block;
 use crate::output::numbers::{significant, with_error};
 use serde_json::{Value, json};
 
-/// Word "inlet" or "outlet" for the opening to which a flow belongs.
+/// Word for the opening to which a flow belongs: "inlet" or "outlet".
 fn kind(flow: &FlowAverages) -> &'static str {
     if flow.is_inlet { "inlet" } else { "outlet" }
 }
 
-/// Flows through all inlets and outlets, each with the outcome of its variant.
+/// Flows through all inlets and outlets, each with the results of its run.
 fn flows(outcomes: &[Outcome]) -> impl Iterator<Item = (&Outcome, &FlowAverages)> {
     outcomes.iter().flat_map(|outcome| outcome.flows.iter().map(move |flow| (outcome, flow)))
 }
@@ -24,7 +24,7 @@ fn mean_speed(flow: &FlowAverages) -> Option<f64> {
     (flow.totals.count > 0).then(|| flow.totals.speed / flow.totals.count as f64)
 }
 
-/// Table of the flows through inlets and outlets; empty if no variant has inlets or outlets.
+/// Table of the flows through inlets and outlets. The list is empty if there are no inlets or outlets.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     if flows(outcomes).next().is_none() {
         return Vec::new();
@@ -62,7 +62,7 @@ fn blocked((outcome, flow): (&Outcome, &FlowAverages)) -> Option<String> {
     })
 }
 
-/// Flows through the inlets and outlets of a variant for `summary.json`, in SI units.
+/// Flows through the inlets and outlets of an experiment for `summary.json`, in SI units.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let flow = |flow: &FlowAverages| {
         json!({
@@ -80,8 +80,8 @@ pub(super) fn json(outcome: &Outcome) -> Value {
 }
 
 /// Contents of `flow.csv`: for each inlet and outlet, sums over the particles that have passed since the start, at each
-/// sample (instant of measurement). Mass rate and mean speed are averages since the previous row. `None` if no variant
-/// has inlets or outlets.
+/// sample (instant of measurement). Mass rate and mean speed are averages over the time since the previous row. `None`
+/// if there are no inlets or outlets.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

@@ -22,9 +22,9 @@ pub fn blocks(study: &Study, figures: &[Figure]) -> Vec<Block> {
     blocks
 }
 
-/// Table of answers with one column per variant and one row per quantity. The head of each column has the settings of
-/// its variant. The first row contains the answers for all quantities together. With more than four columns of
-/// variants, rows and columns are exchanged.
+/// Table of answers with one column per variant (experiment of a case) and one row per quantity. The head of each
+/// column has the settings of its variant. The first row contains the answers for all quantities together. With more
+/// than four columns of variants, rows and columns are exchanged.
 fn matrix(study: &Study) -> Matrix {
     let judged = |name: &str| study.comparisons.iter().find(|verdict| verdict.variant == name);
     let heads = study.outcomes.iter().enumerate().map(|(place, outcome)| {
@@ -33,7 +33,7 @@ fn matrix(study: &Study) -> Matrix {
         let words = [Some(set.to_owned()).filter(|set| !set.is_empty()), against].into_iter().flatten();
         (outcome.experiment.name.clone(), words.collect::<Vec<_>>().join(", "))
     });
-    // a variant without an answer is only a reference of other variants, and has no column
+    // a variant without an answer serves only as the reference of other variants, and has no column
     let columns: Vec<_> = heads.zip(study.outcomes).filter(|((name, _), _)| judged(name).is_some()).collect();
     let verdicts: Vec<&Verdict> = columns.iter().filter_map(|((name, _), _)| judged(name)).collect();
     let together = verdicts.iter().map(|verdict| {
@@ -53,7 +53,7 @@ fn matrix(study: &Study) -> Matrix {
     turned(Matrix { head, rows })
 }
 
-/// Name of the reference variant, with its settings.
+/// Text with the name of the reference (another experiment of the case) and with its settings.
 fn against(study: &Study, reference: &str) -> String {
     let place = study.outcomes.iter().position(|outcome| outcome.experiment.name == reference);
     let set = place.and_then(|place| study.overrides.get(place)).filter(|set| !set.is_empty());
@@ -79,8 +79,8 @@ fn judged(verdict: &Verdict) -> &[Judged] {
     verdict.comparison.as_ref().map_or(&[], |comparison| &comparison.judged)
 }
 
-/// Symbols of the numbers that at least one variant measures and compares because the case has a table `[observe]`, in
-/// order of first appearance.
+/// Symbols of the numbers that at least one experiment measures and compares because the case has a table `[observe]`,
+/// in order of first appearance.
 fn observed_numbers<'a>(verdicts: &[&'a Verdict]) -> Vec<&'a str> {
     let mut names: Vec<&str> = Vec::new();
     for one in verdicts.iter().flat_map(|verdict| &verdict.observed) {
@@ -91,8 +91,8 @@ fn observed_numbers<'a>(verdicts: &[&'a Verdict]) -> Vec<&'a str> {
     names
 }
 
-/// Cell with the answer for a measured number, and with the difference in % of the reference or the reason for no
-/// answer.
+/// Cell with the answer for a measured number, and with the difference in % of the reference or the reason why there is
+/// no answer.
 fn observed_cell(verdict: &Verdict, symbol: &str) -> Cell {
     let Some(one) = verdict.observed.iter().find(|one| one.symbol == symbol) else {
         return Cell { answer: None, words: "not compared".into() };

@@ -15,7 +15,7 @@ pub struct PlanDocument<'a> {
     pub case: String,
     /// Title of the case: first paragraph of the comment at the beginning of the case file.
     pub title: String,
-    /// Collision model that the case itself sets.
+    /// Collision model that the case file sets.
     pub model_of_the_case: String,
     /// Number of threads for which computing times are predicted.
     pub threads: usize,
@@ -50,10 +50,10 @@ const UNITS: [(&str, &str); 11] = [
     ("N", "weight"),
 ];
 
-/// Plan as JSON. Numbers are in SI, and `units` contains the unit of each key.
+/// Plan (predictions before a run) as JSON. Numbers are in SI, and the entry `units` contains the unit of each key.
 ///
 /// # Errors
-/// A value that cannot be written as JSON.
+/// Returns an error if a value cannot be written as JSON.
 pub fn plan_json(document: &PlanDocument) -> Result<String, OutputError> {
     #[derive(Serialize)]
     struct WithUnits<'a> {
@@ -67,7 +67,8 @@ pub fn plan_json(document: &PlanDocument) -> Result<String, OutputError> {
     Ok(text)
 }
 
-/// Plan as text: first the recommendation, then the data from which it follows.
+/// Plan (predictions before a run) as text: first the recommendation, then the data from which the recommendation
+/// follows.
 pub fn plan_text(document: &PlanDocument) -> String {
     let (plan, advice) = (document.plan, document.recommendation);
     let mut blocks = vec![
@@ -75,7 +76,8 @@ pub fn plan_text(document: &PlanDocument) -> String {
         Block::Paragraph(advice.headline()),
         advised(advice),
     ];
-    // the recommended model does not depend on failures in the short runs whose computing time is measured
+    // the recommendation does not consider failures in the short runs whose computing time is measured, so a note names
+    // such a failure if all short runs failed
     let stopped: Vec<&String> = plan.costs.iter().filter_map(|cost| cost.failure.as_ref()).collect();
     if let Some(why) = stopped.first().filter(|_| stopped.len() == plan.costs.len()) {
         blocks.push(Block::note(format!("No model comes to the end of the windows that were timed below: {why}.")));
@@ -100,8 +102,8 @@ pub fn plan_text(document: &PlanDocument) -> String {
 /// Largest number of rows in a table of the plan, so that the table fits on a screen.
 const MOST_ROWS: usize = 12;
 
-/// Note on the number of rows that a table leaves out, beyond [`MOST_ROWS`]. `rows` is the number of all rows. `None`
-/// if no row is left out.
+/// Note on the number of rows that a table leaves out because it shows at most [`MOST_ROWS`] rows. `rows` is the number
+/// of all rows. `None` if no row is left out.
 fn left_out(rows: usize) -> Option<Block> {
     let more = rows.checked_sub(MOST_ROWS).filter(|more| *more > 0)?;
     Some(Block::Note(format!("and {} more, all with --json", counted(more, "row"))))
@@ -193,7 +195,7 @@ fn contacts(plan: &RunPrediction) -> Vec<Block> {
     if plan.contacts.is_empty() {
         return Vec::new();
     }
-    // if all contacts have the same stiffness, the heading contains the stiffness and the rows do not
+    // if all contacts have the same stiffness, it is in the heading only, otherwise each row has its own
     let own = plan.contacts.iter().any(|row| row.contact.bodies.stiffness_ratio != 1.0);
     let rows = plan.contacts.iter().take(MOST_ROWS).map(|row| -> TextRow {
         let stiffness = own.then(|| format!("{} N/m", significant(row.stiffness, 4)));
@@ -322,7 +324,7 @@ fn averaging(plan: &RunPrediction) -> Vec<Block> {
     ]
 }
 
-/// Part of the document with predictions for a scene that never becomes steady; otherwise empty.
+/// Part of the document with predictions for a scene that never becomes steady. The list is empty for other scenes.
 fn transient(plan: &RunPrediction) -> Vec<Block> {
     let Some(found) = &plan.transient else { return Vec::new() };
     let mut entries = Entries::default();

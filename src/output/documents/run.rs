@@ -18,7 +18,7 @@ use std::path::PathBuf;
 /// Largest number of answers of comparisons (equivalent, different or unresolved) that are shown at the top of a page.
 const ANSWERS: usize = 3;
 
-/// Number of standard errors beyond which a deviation from an expected value is highlighted.
+/// Number of standard errors. A deviation from an expected value that is larger is highlighted.
 const SUSPECT: f64 = 3.0;
 
 /// Writes all results of a run or a comparison, and returns the path of the report.
@@ -99,8 +99,8 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
 /// Main part of the page of a run or a comparison. The first `over_time` figures show curves over time.
 fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     let outcomes = study.outcomes;
-    // curves over time come first for unsteady runs, whose averages mix different states, and for a few bodies, whose
-    // averages have little meaning
+    // curves over time come first for unsteady runs, whose averages mix different states, and for runs of a few bodies,
+    // whose averages have little meaning
     let follows = |outcome: &Outcome| !outcome.steadiness.steady || !outcome.paths.points.is_empty();
     let transient = over_time > 0 && outcomes.iter().all(follows);
     let player = Player::of(outcomes, study.frames);
@@ -176,7 +176,8 @@ pub fn distinct(texts: impl Iterator<Item = String>) -> String {
     seen.join(", ")
 }
 
-/// Table with one row per variant. The first cell of a row is the name of the variant; `cells` returns the other cells.
+/// Table with one row per variant (experiment of a case). The first cell of a row is the name of the variant; `cells`
+/// returns the other cells.
 pub(super) fn table(head: &str, outcomes: &[Outcome], cells: impl Fn(&Outcome) -> TextRow) -> Block {
     let row = |outcome: &Outcome| {
         let (marked, rest) = cells(outcome);
@@ -286,8 +287,8 @@ fn momentum(outcomes: &[Outcome]) -> Vec<Block> {
     vec![table(head, outcomes, cells), Block::Note(note)]
 }
 
-/// Mean forces on all particles along the stream for `summary.json`. The momentum per time through inlets and outlets
-/// is an entry only in scenes with inlets or outlets.
+/// Mean forces on all particles along the stream for `summary.json`. Only scenes with inlets or outlets have an entry
+/// for the momentum that passes through them per time.
 fn momentum_json(outcome: &Outcome) -> Value {
     let balance = &outcome.balance;
     let mut forces = json!({
@@ -321,8 +322,8 @@ fn averaging(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Table of the hashes of the initial and the final state of each variant. Equal hashes mean that all bits of the
-/// states are equal.
+/// Table of the hashes of the initial and the final state of each variant (experiment of a case). Equal hashes mean
+/// that all bits of the states are equal.
 fn hashes(outcomes: &[Outcome]) -> Block {
     let cells =
         |o: &Outcome| (false, vec![format!("{:016x}", o.initial_state_hash), format!("{:016x}", o.final_state_hash)]);
@@ -333,8 +334,8 @@ pub(super) fn measured(found: Option<Estimate>) -> Value {
     json!({ "value": found.map(|found| found.value), "standard_error": found.and_then(|found| found.error) })
 }
 
-/// Results of a variant for `summary.json`, in SI units; `null` means an unknown value. `parameters` contains all
-/// settings of the variant; `None` if they are not known.
+/// Results of an experiment for `summary.json`, in SI units; `null` means an unknown value. `parameters` contains all
+/// settings of the experiment; `None` if they are not known.
 fn variant(outcome: &Outcome, parameters: Option<&Value>) -> Value {
     let (experiment, record) = (&outcome.experiment, &outcome.record);
     let (pairs, walls) = (outcome.pairs.summary(), outcome.walls.summary());

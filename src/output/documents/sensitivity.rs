@@ -78,7 +78,7 @@ fn remarks(head: &str, rows: impl Iterator<Item = (bool, Vec<String>)>) -> Block
     Block::Table(Table { remarks: true, ..table })
 }
 
-/// Table of the changed factors and their effects; the most important factor is first.
+/// Table of the changed factors (inputs of the case) and their effects; the most important factor is first.
 fn factors(study: &SensitivityStudy) -> Block {
     let row = |factor: &Factor| {
         let shift = factor.headline();
@@ -125,7 +125,8 @@ fn basis(study: &SensitivityStudy) -> Option<&'static str> {
     }
 }
 
-/// Table of the shifts with one row per factor and one column per observable; `None` without shifts.
+/// Table of the shifts (changes of observables by a changed factor), with one row per factor and one column per
+/// observable; `None` without shifts.
 fn shifts(study: &SensitivityStudy) -> Option<Block> {
     let names = study.observables();
     if names.is_empty() {

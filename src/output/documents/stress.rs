@@ -53,7 +53,7 @@ pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     blocks.into_iter().chain(kinetic_only).collect()
 }
 
-/// Stress, contacts per particle and volume fraction of a variant for `summary.json`, in SI units.
+/// Stress, contacts per particle and volume fraction of an experiment for `summary.json`, in SI units.
 pub(super) fn json(outcome: &Outcome) -> Value {
     let stress = &outcome.stress;
     let all = |list: &[Option<Estimate>]| list.iter().map(|part| measured(*part)).collect::<Vec<_>>();

@@ -10,7 +10,7 @@ use crate::statistics::Estimate;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Number of standard errors of the difference beyond which two values of a quantity count as different.
+/// Number of standard errors of a difference. If the difference of two values is larger, the values count as different.
 const FAR: f64 = 3.0;
 
 /// Writes the table, the pictures and the page of a sweep. Writes the summary too if all runs are finished. Returns the
@@ -51,7 +51,7 @@ pub fn write_sweep(folder: &Folder, study: &SweepStudy) -> Result<PathBuf, Outpu
     Ok(page)
 }
 
-/// Answers of a sweep in sentences: missing and failed runs, and differences between variants.
+/// Answers of a sweep in sentences: missing and failed runs, and differences between variants (experiments of a case).
 pub fn sweep_verdicts(study: &SweepStudy) -> Vec<String> {
     verdicts(study)
 }
@@ -93,7 +93,8 @@ fn document<'a>(study: &'a SweepStudy, verdicts: &'a [String]) -> Result<Documen
     })
 }
 
-/// Sentences about missing and failed runs, and about the points at which each variant differs from its reference.
+/// Sentences about missing and failed runs, and about the points (values of the swept keys) at which each variant
+/// (experiment of a case) differs from the reference.
 fn verdicts(study: &SweepStudy) -> Vec<String> {
     let waiting = study.rows.iter().filter(|row| row.status() == "not run yet").count();
     let failed = study.rows.iter().filter(|row| row.failure().is_some()).count();
@@ -117,8 +118,8 @@ fn verdicts(study: &SweepStudy) -> Vec<String> {
     sentences
 }
 
-/// Sentence that compares a variant with the reference in one observable at all points of the sweep. `None` if at no
-/// point both have values with errors.
+/// Sentence that compares a variant (experiment of a case) with the reference in one observable at all points of the
+/// sweep. `None` if there is no point at which both have values with errors.
 fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, name: &str) -> Option<String> {
     let (mut points, mut near) = (0, 0);
     let mut farthest: Option<(f64, &SweepRow, Estimate, Estimate)> = None;
@@ -138,8 +139,8 @@ fn compared(study: &SweepStudy, variant: usize, reference: usize, key: &str, nam
         }
     }
     let (far, row, difference, base) = farthest?;
-    // no fraction of the reference is given if the reference is 0 within its error, such as a mean velocity without gas
-    // flow
+    // the difference is not given as a fraction of the reference if the reference is 0 within its error, such as a mean
+    // velocity without gas flow
     let apart = if base.error.is_some_and(|error| base.value.abs() <= FAR * error) {
         format!(
             "{} standard errors, where “{}” is 0 within three of its own",

@@ -6,10 +6,11 @@ use crate::output::numbers::{UNKNOWN, quantity, significant, with_error};
 use crate::output::{Expected, Halved, HalvedStep, Judgement, TrustCheck, TrustSheet, Verification};
 use crate::statistics::Estimate;
 
-/// Number of standard errors beyond which a change by a halved time step is highlighted.
+/// Number of standard errors. A change by a halved time step that is larger is highlighted.
 const SUSPECT: f64 = 3.0;
 
-/// Trust sheets (checks of the results) of all variants as parts of a page. A table has one column per variant.
+/// Trust sheets (checks of the results) of all variants (experiments of a case) as parts of a page. A table has one
+/// column per variant.
 pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
     if sheets.is_empty() {
         return Vec::new();
@@ -42,8 +43,8 @@ pub(super) fn blocks(sheets: &[TrustSheet]) -> Vec<Block> {
     blocks
 }
 
-/// Text of a value with its unit and its standard error. An error of at most 1e-12 of the value is rounding, and is
-/// left out.
+/// Text of a value with its unit and its standard error. An error of at most 1e-12 of the value is a rounding error,
+/// and is left out.
 fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
     let Some(found) = found.into() else { return UNKNOWN.into() };
     let space = if unit.is_empty() { "" } else { " " };
@@ -57,7 +58,7 @@ fn value(found: impl Into<Option<Estimate>>, unit: &str) -> String {
     format!("{text}{space}{unit}")
 }
 
-/// Table of the checks, with one row per check and one column per variant.
+/// Table of the checks, with one row per check and one column per variant (experiment of a case).
 fn checks(sheets: &[TrustSheet]) -> Block {
     let mut names: Vec<&'static str> = Vec::new();
     for check in sheets.iter().flat_map(|sheet| &sheet.checks) {

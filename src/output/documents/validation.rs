@@ -11,8 +11,8 @@ use crate::statistics::{Answer, Estimate};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Writes all results of the suite: one table, the pictures of the rows, one page, and finally the summary. Returns the
-/// path of the page.
+/// Writes all results of the suite: one table, the pictures of the rows (comparisons), one page, and finally the
+/// summary. Returns the path of the page.
 ///
 /// # Errors
 /// An [`OutputError`]. Files written before the error remain, but there is no `summary.json`.
@@ -55,12 +55,12 @@ pub fn write_validation(folder: &Folder, study: &ValidationStudy, verdicts: &[St
     Ok(page)
 }
 
-/// Explanation of the answers, below the overview.
+/// Explanation of the answers, shown below the table with an overview of all rows.
 const LEGEND: &str = "Agrees: a run without scatter that deviates by less than the stated tolerance. Equivalent: two one-sided tests at 5 % show a \
     difference below the stated margin. Different: Student's t test finds a difference (1 % for all rows together, Holm within a row), and it is not \
     shown to be within the margin. Unresolved: neither is shown. ±: one standard error, or the error of reading a picture.";
 
-/// Heading of the part of the page with the rows of one kind of reference.
+/// Heading of the part of the page about comparisons with one kind of reference.
 fn heading(tier: ValidationTier) -> &'static str {
     match tier {
         ValidationTier::ClosedForms => "Closed forms",
@@ -69,13 +69,14 @@ fn heading(tier: ValidationTier) -> &'static str {
     }
 }
 
-/// Table of the rows of the suite for a terminal. From each row it contains the number that deviates most.
+/// Table of the rows (comparisons) of the suite for a terminal. From each row, the table contains the number that
+/// deviates most.
 pub fn validation_answers(study: &ValidationStudy) -> String {
     text(&[overview(study)])
 }
 
-/// Table with one row per comparison of the suite. Each row shows, of the numbers of its comparison, the one that
-/// deviates most, with its reference and the verdict.
+/// Table with one row per comparison of the suite. Each row shows the number of this comparison that deviates most,
+/// with its reference and the verdict.
 fn overview(study: &ValidationStudy) -> Block {
     let row = |row: &ValidationRow| -> TextRow {
         let worst = row.worst();
@@ -126,7 +127,7 @@ fn not_validated(study: &ValidationStudy) -> Vec<Block> {
 }
 
 impl ValidationStudy<'_> {
-    /// Section of the page about one row of the suite: its scene, source, numbers and picture.
+    /// Section of the page about one row (comparison) of the suite: its scene, source, numbers and picture.
     fn section(&self, row: &ValidationRow, figures: &[crate::output::panel::Figure]) -> Vec<Block> {
         let number = |one: &ValidationNumber| -> TextRow {
             let cells = vec![
@@ -162,7 +163,7 @@ impl ValidationStudy<'_> {
         section
     }
 
-    /// Entry of one row of the suite in `summary.json`.
+    /// Entry of one row (comparison) of the suite in `summary.json`.
     fn json(&self, row: &ValidationRow) -> Value {
         json!({
             "name": row.name,

@@ -9,7 +9,8 @@ use crate::output::numbers::{percent, quantity, significant, with_error};
 use crate::output::{Basis, ObservedDifference, Study, Verdict};
 use crate::statistics::{Answer, Deviation, Estimate, Judged};
 
-/// Answers for each compared pair of variants, with the numbers on which they are based; empty for a single run.
+/// Answers for each compared pair of variants (experiments of a case), with the numbers on which the answers are based.
+/// The list is empty for a single run.
 pub fn blocks(study: &Study) -> Vec<Block> {
     if study.comparisons.is_empty() {
         return Vec::new();
@@ -29,7 +30,7 @@ pub fn legend() -> Block {
     )
 }
 
-/// Parts of the page with the numbers on which the answer for one pair of variants is based.
+/// Parts of the page with the numbers on which the answer for one pair of variants (experiments of a case) is based.
 pub fn of_pair(verdict: &Verdict) -> Vec<Block> {
     let title = format!("“{}” − “{}”", verdict.variant, verdict.reference);
     let mut blocks = vec![Block::Label(title), Block::note(verdict.reason.clone())];
@@ -66,7 +67,7 @@ fn observed_row(one: &ObservedDifference) -> (bool, Vec<String>) {
 }
 
 /// Contents of `observed-differences.csv`: differences of measured numbers in the unit of each number and in per cent
-/// of the reference, with standard errors. `None` if no variants were compared in such numbers.
+/// of the reference, with standard errors. `None` if no such numbers were compared.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -97,7 +98,7 @@ pub(super) fn observed_csv(study: &Study) -> Result<Option<Vec<u8>>, OutputError
     table.bytes().map(Some)
 }
 
-/// Table with one row per variant: its settings, its reference and its answer.
+/// Table with one row per variant (experiment of a case): its settings, its reference and its answer.
 fn answers(study: &Study) -> Block {
     let row = |(place, outcome): (usize, &crate::outcome::Outcome)| {
         let name = &outcome.experiment.name;

@@ -8,9 +8,9 @@ use crate::output::cost;
 use crate::output::document::{Block, known};
 use crate::output::numbers::{count, percent, quantity, significant};
 
-/// Table of the numbers of operations and the wall-clock time of each variant.
+/// Table of the numbers of operations and the wall-clock time of each variant (experiment of a case).
 pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
-    // a run that stopped early is left out, because its cost is not that of the whole case
+    // a run that stopped early does not count as the cheapest, because its cost is not that of the whole case
     let finished = outcomes.iter().filter(|outcome| outcome.failure.is_none());
     let cheapest = finished.filter_map(cost).filter(|cost| *cost > 0.0).reduce(f64::min);
     let cells = |o: &Outcome| {
@@ -54,7 +54,7 @@ pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
 }
 
 /// Statistics of the islands, which are groups of particles that may touch within a part of a window (time between two
-/// exchanges with the gas). Empty without islands.
+/// exchanges with the gas). The list is empty if no run had islands.
 pub fn islands(outcomes: &[Outcome]) -> Vec<Block> {
     if outcomes.iter().all(|o| o.counters.islands == 0) {
         return Vec::new();
@@ -76,7 +76,8 @@ pub fn islands(outcomes: &[Outcome]) -> Vec<Block> {
     ]
 }
 
-/// Table with the share of each part of a run, such as drag or sampling, in the wall-clock time of the run.
+/// Table with the share that each part of the computation, such as drag or sampling, has in the wall-clock time of a
+/// run.
 pub fn timing(outcomes: &[Outcome]) -> Vec<Block> {
     let cells = |o: &Outcome| {
         let t = &o.timing;

@@ -6,12 +6,13 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::{Bounce, ObliqueStudy, PathPoint};
 
-/// Picture of the overlap (the negative gap) over time for each variant, with the closed-form solution if there is one.
+/// Picture of the overlap (the negative gap) over time for each variant (experiment of a case), with the closed-form
+/// solution if there is one.
 pub fn overlap_in_time(bounces: &[Bounce]) -> String {
     let deepest = points(bounces).map(|point| -point.gap).filter(|overlap| overlap.is_finite()).fold(0.0, f64::max);
     let overlap = if deepest > 0.0 { Prefix::of(deepest) } else { Prefix::of(widest(bounces)) };
     // the motion before and after the contact is cut off where the gap exceeds half the largest overlap, because
-    // nothing happens there
+    // nothing of interest happens there
     let floor = if deepest > 0.0 { -0.5 * deepest } else { f64::NEG_INFINITY };
     let time = Prefix::of(span(bounces, floor));
     let series = series(bounces, |path| {
@@ -26,7 +27,8 @@ pub fn overlap_in_time(bounces: &[Bounce]) -> String {
     })
 }
 
-/// Picture of the normal velocity over time for each variant, with the closed-form solution if there is one.
+/// Picture of the normal velocity over time for each variant (experiment of a case), with the closed-form solution if
+/// there is one.
 pub fn normal_velocity(bounces: &[Bounce]) -> String {
     let deepest = points(bounces).map(|point| -point.gap).filter(|overlap| overlap.is_finite()).fold(0.0, f64::max);
     let floor = if deepest > 0.0 { -0.5 * deepest } else { f64::NEG_INFINITY };
@@ -45,9 +47,10 @@ pub fn normal_velocity(bounces: &[Bounce]) -> String {
     })
 }
 
-/// Picture of the reduced slip s/(μ u_n) after an impact as a function of that before, for each variant. Here s is the
-/// slip, μ the coefficient of friction and u_n the normal speed. The picture also has measured points and the curve of
-/// partial slip.
+/// Picture of the reduced slip s/(μ u_n) after an impact as a function of the reduced slip before it, with a curve for
+/// each variant (experiment of a case). Here s is the slip, μ the coefficient of friction and u_n the normal speed. The
+/// picture also has measured points, and the theory of partial slip, in which only the edge of the contact circle
+/// slips.
 pub fn slip_after(study: &ObliqueStudy) -> String {
     let of = |points: &[(f64, f64)]| points.iter().map(|(x, y)| SeriesPoint::at(*x, *y)).collect::<Vec<_>>();
     let mut series: Vec<PanelSeries> = Vec::new();
@@ -74,20 +77,20 @@ fn points(bounces: &[Bounce]) -> impl Iterator<Item = &PathPoint> {
     bounces.iter().flat_map(|bounce| &bounce.path)
 }
 
-/// [m] largest magnitude of the gap in any variant.
+/// [m] largest magnitude of the gap in all impacts.
 fn widest(bounces: &[Bounce]) -> f64 {
     points(bounces).map(|point| point.gap.abs()).filter(|gap| gap.is_finite()).fold(0.0, f64::max)
 }
 
-/// First and last time [s] at which the overlap is at least `floor` [m] in any variant; (∞, -∞) if there is no such
-/// time. A negative overlap is a gap.
+/// First and last time [s] at which the overlap is at least `floor` [m] in any of the impacts; (∞, -∞) if there is no
+/// such time. A negative overlap is a gap.
 fn near(bounces: &[Bounce], floor: f64) -> (f64, f64) {
     let times = bounces.iter().flat_map(|bounce| cut(&bounce.path, floor)).map(|(t, _)| t).filter(|t| t.is_finite());
     times.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| (low.min(t), high.max(t)))
 }
 
-/// [s] largest magnitude of the times at which the overlap is at least `floor` [m] in any variant. It is infinite if
-/// there is no such time.
+/// [s] largest magnitude of the times at which the overlap is at least `floor` [m] in any of the impacts. It is
+/// infinite if there is no such time.
 fn span(bounces: &[Bounce], floor: f64) -> f64 {
     let (from, until) = near(bounces, floor);
     from.abs().max(until.abs()).max(0.0)
@@ -128,8 +131,8 @@ fn within(series: PanelSeries, (from, until): (f64, f64)) -> PanelSeries {
     PanelSeries { points, ..series }
 }
 
-/// Series of all closed-form solutions under one name, followed by the series of the variants. Later series are drawn
-/// on top. `map` converts a path to points.
+/// Series of all closed-form solutions under one name, followed by the series of the computed impacts. Later series are
+/// drawn on top. `map` converts a path to points.
 fn series(bounces: &[Bounce], map: impl Fn(&[PathPoint]) -> Vec<(f64, f64)>) -> Vec<PanelSeries> {
     let one = |label: &str, look, path: &[PathPoint]| {
         PanelSeries::new(label, look, map(path).into_iter().map(|(x, y)| SeriesPoint::at(x, y)))

@@ -7,7 +7,7 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::statistics::Estimate;
 
-/// Name of a term of the budget, and the function that selects the term.
+/// Name of a term of the budget, and the function that selects this term from all terms.
 type Named = (&'static str, fn(&Terms<Estimate>) -> Estimate);
 
 /// Terms of a budget of a second moment, in the order of the legend.

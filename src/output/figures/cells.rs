@@ -1,5 +1,6 @@
-//! Maps of coloured cells with theoretical lines. The colours are those of Okabe and Ito, and shades of blue. Cells of
-//! runs that failed or gave wrong results also have crosses, so that a map is readable without colours.
+//! Maps of coloured cells with theoretical lines. The colours are those of Okabe and Ito, which colour-blind readers
+//! can distinguish, and shades of blue. Cells of runs that failed or gave wrong results also have crosses, so that a
+//! map is readable without colours.
 
 use super::chart::{HEIGHT, WIDTH, plain, powers, style, svg, ticks, with_legend};
 use crate::output::limits::{RegimeMap, Shade};
@@ -24,7 +25,7 @@ fn colour(shade: Shade) -> &'static str {
     }
 }
 
-/// SVG picture of a map of coloured cells, with its lines by theory and a legend.
+/// SVG picture of a map of coloured cells, with the lines that theory predicts and a legend.
 pub fn cells(map: &RegimeMap) -> String {
     let mut plots = Vec::new();
     let mut legend = Vec::new();

@@ -23,10 +23,10 @@ pub(super) const WIDTH: f64 = 640.0;
 pub(super) const HEIGHT: f64 = 400.0;
 /// [px] height of one panel if there are several.
 const PANEL_HEIGHT: f64 = 250.0;
-/// Number of decades that a logarithmic vertical axis extends below the largest value, unless the panel gives another
-/// lower end. Labels of more decades would not fit.
+/// Number of decades (powers of ten) by which a logarithmic vertical axis extends below the largest value, unless the
+/// panel gives another lower end. The labels of more decades would not fit.
 const DECADES: i32 = 6;
-/// Colour of curves that serve only as a reference.
+/// Colour of curves that are drawn only as a reference.
 pub(super) const GREY: &str = "#777777";
 
 pub(super) const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"];
@@ -73,7 +73,7 @@ impl SeriesStyle {
     }
 }
 
-/// SVG picture of one panel, with a legend below the panel if there are several entries.
+/// SVG picture of one panel, with a legend below the panel if the legend has several entries.
 pub(super) fn single(panel: &Panel) -> String {
     let legend = legend(std::slice::from_ref(panel));
     let (plots, layout) = draw(panel);
@@ -87,7 +87,7 @@ pub(super) fn with_legend(layout: Layout, legend: Vec<LegendEntry>) -> Layout {
     layout.with_legend_position(LegendPosition::OutsideBottomColumns)
 }
 
-/// SVG picture of several panels in rows of two, with one legend below all panels if there are several entries.
+/// SVG picture of several panels in rows of two, with one legend below all panels if the legend has several entries.
 pub(super) fn grid(panels: &[Panel]) -> String {
     if panels.is_empty() {
         return single(&Panel::default());
@@ -163,7 +163,7 @@ fn draw(panel: &Panel) -> (Vec<Plot>, Layout) {
     }
     for point in failed.iter().flat_map(|series| &series.points).filter(shown) {
         x.include(point.x);
-        // a point of a failed run is drawn on the upper frame, independent of its value
+        // a point of a failed run is drawn on the upper frame, whatever its value
         if panel.log_y || y.is_empty() {
             y.include(point.y);
         }
@@ -225,7 +225,7 @@ fn layout(panel: &Panel, x: (f64, f64), y: (f64, f64), empty: bool) -> Layout {
 pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
     let span = high - low;
     TickFormat::Custom(Arc::new(move |value| {
-        // near zero, a sum of steps leaves a small remainder
+        // the tick at zero may have a small value left by rounding in the sum of steps
         let value = if value.abs() < 1e-9 * span { 0.0 } else { value };
         let size = value.abs().max(1e-3 * span);
         if value != 0.0 && !(1e-4..1e6).contains(&size) {
@@ -239,8 +239,8 @@ pub(super) fn ticks((low, high): (f64, f64)) -> TickFormat {
     }))
 }
 
-/// Tick labels of a logarithmic axis. Whole powers of ten below 0.01 or above 1000 are written as powers, all other
-/// numbers as usual.
+/// Tick labels of a logarithmic axis. Whole powers of ten below 0.01 or above 1000 are written as powers, such as 10⁻³;
+/// all other numbers are written as usual.
 pub(super) fn powers() -> TickFormat {
     TickFormat::Custom(Arc::new(|value| {
         let power = value.log10();
@@ -252,8 +252,8 @@ pub(super) fn powers() -> TickFormat {
     }))
 }
 
-/// Plots that draw one series: points, or a line with a band if errors are known. `floor` is the lower end of the axis,
-/// at which error bars end.
+/// Plots that draw one series: points, or a line with a band if errors are known. `floor` is the lower end of the
+/// vertical axis, at which error bars end.
 fn plot(look: SeriesStyle, points: &[SeriesPoint], floor: f64) -> Vec<Plot> {
     let data: Vec<(f64, f64)> = points.iter().map(|p| (p.x, p.y)).collect();
     let line = || {
@@ -324,7 +324,7 @@ impl AxisRange {
     /// Lower and upper end of the axis, which differ even if all values are equal.
     fn ends(self) -> (f64, f64) {
         let Self(low, high) = self;
-        // a smaller difference is rounding, and would give ticks with equal labels
+        // a smaller difference is a rounding error, and would give ticks with equal labels
         if high - low > 1e-9 * low.abs().max(high.abs()) {
             return (low, high);
         }

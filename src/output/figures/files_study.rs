@@ -6,7 +6,7 @@ use crate::output::Verdict;
 use crate::output::panel::Figure;
 use crate::statistics::{Answer, Judged};
 
-/// Figure with one row per compared quantity. The list is empty if nothing was compared.
+/// Figure with one row per compared quantity, as a list of one entry. The list is empty if nothing was compared.
 pub fn files_study(comparisons: &[Verdict]) -> Vec<Figure> {
     let judged = comparisons.iter().flat_map(|verdict| {
         let all = verdict.comparison.iter().flat_map(|comparison| &comparison.judged);

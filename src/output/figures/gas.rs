@@ -1,5 +1,5 @@
-//! Figures of the gas velocity: across the channel (Fig. 2 of the paper, docs/paper.md), and in wall units next to a
-//! direct numerical simulation. A variant is one of the experiments of a case.
+//! Figures of the gas velocity: across the channel (Fig. 2 of the paper, docs/paper.md), and in wall units together
+//! with a direct numerical simulation. A variant is one of the experiments of a case.
 
 use super::chart;
 use super::profiles;
@@ -49,10 +49,11 @@ pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
 }
 
 /// Figure of the profiles of several gases between walls at y = 0 and y = `height` [m]. The horizontal axis is the
-/// distance from the wall on a logarithmic scale, up to the middle of the channel. `None` for fewer than two gases.
+/// distance from the wall on a logarithmic scale, up to the middle of the channel. `None` if there are fewer than two
+/// gases.
 pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
-    /// [-] distance from the wall at which the curves begin, over the width of the channel. In a channel of the width
-    /// 40 mm, it is about half the radius of spheres with the diameter 0.4 mm.
+    /// [-] distance from the wall at which the curves begin, divided by the width of the channel. In a channel of the
+    /// width 40 mm, this distance is 0.1 mm, half the radius of spheres with the diameter 0.4 mm.
     const NEAREST: f64 = 2.5e-3;
     if profiles.len() < 2 {
         return None;
@@ -78,7 +79,8 @@ pub fn gases(profiles: &[(String, Profile)], height: f64) -> Option<Figure> {
 }
 
 /// Figure of a gas on which the particles act, together with the gas without particles. It shows velocity and turbulent
-/// kinetic energy from the wall to the middle. `None` if the particles do not change the gas in any variant.
+/// kinetic energy from the wall to the middle. `None` if the particles do not change the gas in any experiment of the
+/// case.
 pub fn loaded(outcomes: &[Outcome]) -> Option<Figure> {
     let flows = outcomes.iter().filter_map(|outcome| {
         let gas = outcome.gas.as_ref()?;

@@ -5,16 +5,16 @@ use crate::output::numbers::Prefix;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::scene::Scene;
 
-/// [-] factor by which a spanwise length is multiplied along both directions of the picture. The spanwise axis is drawn
-/// at 45 degrees and at half length (cabinet projection).
+/// [-] factor by which a spanwise length is multiplied to give its horizontal and its vertical part in the picture. The
+/// spanwise axis is drawn at 45 degrees and at half length (cabinet projection).
 const OBLIQUE: f64 = 0.5 * std::f64::consts::FRAC_1_SQRT_2;
-/// [-] length of an arrow over the shortest edge of the box.
+/// [-] length of an arrow, divided by the shortest edge of the box.
 const ARROW: f64 = 0.3;
 /// Number of intervals of the drawn curve of the gas velocity.
 const POINTS: usize = 80;
 
-/// Figure of the box with its ends along y, the gas velocity and the direction of gravity. The axis y points to the
-/// right, z upwards, and x into the page.
+/// Figure of the box, with its two ends along y, the profile of the gas velocity and the direction of gravity. The axis
+/// y points to the right, z upwards, and x into the page.
 pub fn geometry(scene: &Scene) -> Figure {
     let size = scene.domain.size;
     let prefix = Prefix::of(size.max());

@@ -1,7 +1,7 @@
 //! Figures of the distributions of impacts (Fig. 6 of the paper), and of mean overlaps against the overlap number κ_n
-//! (Eq. 13 of the paper). The paper is that of docs/paper.md. κ_n is the time average of the overlap over the diameter
-//! in a Maxwellian gas. A variant is one of the experiments of a case. Variants that are drawn in the same panel form a
-//! group.
+//! (Eq. 13 of the paper). The paper is that of docs/paper.md. In a Maxwellian gas, κ_n is the time average of the
+//! overlap, divided by the diameter. A variant is one of the experiments of a case. Variants that are drawn in the same
+//! panel form a group.
 
 use super::chart;
 use crate::experiment::SoftStepping;
@@ -16,26 +16,27 @@ use std::f64::consts::PI;
 /// Largest number of bins of a histogram that a picture shows. Bins of finer histograms are merged.
 const SHOWN: usize = 48;
 
-/// Number of intervals of a curve of kinetic theory: one for every four pixels of a panel.
+/// Number of intervals from which a curve of kinetic theory is drawn: one for every four pixels of a panel.
 const CURVE_POINTS: usize = 60;
 
 /// Name in the legend of curves from kinetic theory.
 const THEORY: &str = "Maxwellian gas";
 
-/// [-] overlap over the diameter below which an overlap counts as a rounding error, as in event-driven collisions.
+/// [-] overlap, divided by the diameter, below which an overlap counts as a rounding error. Event-driven collisions
+/// have such overlaps.
 pub(in crate::output) const ROUNDING: f64 = 1e-9;
 
 /// Kind of curve by which a distribution is drawn.
 #[derive(Clone, Copy, PartialEq)]
 enum Shape {
     Density,
-    /// Probability density on a logarithmic axis, for rare values.
+    /// Probability density on a logarithmic axis, on which rare values are visible too.
     LogDensity,
     /// Cumulative distribution: the fraction of smaller values.
     Share,
 }
 
-/// Quantity of an impact, such as its normal speed, and the way in which its distribution is drawn.
+/// Quantity of an impact, such as its normal speed, with the style in which its distribution is drawn.
 #[derive(Clone, Copy)]
 struct ImpactQuantity {
     x_label: &'static str,
@@ -43,12 +44,13 @@ struct ImpactQuantity {
     scale: f64,
     y_label: &'static str,
     shape: Shape,
-    /// Threshold in the unit of the quantity. A variant whose values are all smaller is left out of the picture.
+    /// Threshold in the unit of the quantity. A variant (experiment of a case) whose values are all smaller is left out
+    /// of the picture.
     least: f64,
     pick: fn(&Impacts) -> &Histogram,
     /// Prediction of kinetic theory as a function of the quantity; `None` if there is no theory.
     theory: Option<fn(&Overlaps, f64) -> f64>,
-    /// True if the prediction is valid only for uniform stepping, in which time steps move all particles.
+    /// True if the prediction is valid only for uniform stepping, in which each time step moves all particles.
     in_step: bool,
 }
 
@@ -104,9 +106,9 @@ pub fn first_overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Picture of the mean overlaps of all soft variants, divided by κ_n and the diameter, as a function of the overlap
-/// number κ_n. Lines show kinetic theory. One panel is for pairs of particles, one for walls. A panel with fewer than
-/// two variants is left out; `None` if no panel remains.
+/// Picture of the mean overlaps of all experiments with soft spheres, divided by κ_n and the diameter, as a function of
+/// the overlap number κ_n. Lines show kinetic theory. One panel is for pairs of particles, one for walls. A panel with
+/// fewer than two experiments is left out; `None` if no panel remains.
 pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     let panel = |title: &str, wall: bool| {
         let known: Vec<(f64, &Impacts)> = outcomes
@@ -145,8 +147,8 @@ pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     (!panels.is_empty()).then(|| chart::grid(&panels))
 }
 
-/// Picture with panels for each group of variants and each quantity in `views`: one panel for impacts between
-/// particles, and one for impacts at walls.
+/// Picture with two panels for each group of variants (experiments of a case) and each quantity in `views`: one for
+/// impacts between particles, and one for impacts at walls.
 fn views(outcomes: &[Outcome], views: &[ImpactQuantity]) -> String {
     let mut panels = Vec::new();
     for group in groups(outcomes) {
@@ -214,8 +216,8 @@ impl ImpactQuantity {
         points
     }
 
-    /// Curve of kinetic theory over the range of the histogram; `None` if the theory is not valid for the run. `wall`
-    /// is true for impacts on walls, false for impacts between particles.
+    /// Curve that kinetic theory predicts, over the range of the histogram; `None` if the theory is not valid for the
+    /// run. `wall` is true for impacts on walls, false for impacts between particles.
     fn curve(&self, outcome: &Outcome, histogram: &Histogram, wall: bool) -> Option<PanelSeries> {
         let (theory, overlaps) = (self.theory?, outcome.kinetic_theory(wall)?);
         let uniform = outcome.experiment.soft.stepping == SoftStepping::Uniform;
@@ -246,7 +248,8 @@ fn shares(histogram: &Histogram) -> Vec<SeriesPoint> {
     std::iter::once(zero).chain(all.chunks(all.len().div_ceil(SHOWN).max(1)).filter_map(end)).collect()
 }
 
-/// Probability density that half a count gives in a bin made of `merged` bins of the histogram.
+/// Probability density in a bin that is made of `merged` bins of the histogram and contains half a count. At this
+/// density empty bins are drawn on a logarithmic axis.
 fn half_count(histogram: &Histogram, merged: usize) -> f64 {
     0.5 / (histogram.total as f64 * histogram.width * merged as f64)
 }

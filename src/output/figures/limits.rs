@@ -5,7 +5,7 @@ use super::chart;
 use crate::output::limits::{Map, Picture};
 use crate::output::panel::{Figure, Panel, SeriesStyle};
 
-/// Figure of one map (settings for which a method fails): coloured cells or curves.
+/// Figure of one map, which shows for which settings a method fails, with coloured cells or with curves.
 pub fn limits(map: &Map) -> Figure {
     let svg = match &map.picture {
         Picture::Cells(plane) => cells(plane),

@@ -1,4 +1,4 @@
-//! Map of a field on a grid that is one cell thick, such as the heights of a free surface seen from above.
+//! Map of a measured field on a grid that is one cell thick, such as the heights of a free surface seen from above.
 
 use super::chart::{HEIGHT, WIDTH, style, svg, ticks};
 use crate::observe::ObservedGrid;
@@ -9,10 +9,11 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::render_multiple;
 
-/// Largest number of drawn cells along an edge. A grid with more cells would make a large file: its cells are averaged.
+/// Largest number of drawn cells along an edge. In a grid with more cells, neighbouring cells are averaged, so that the
+/// file stays small.
 const MOST_CELLS: usize = 64;
 
-/// [px] parts of the height and of the width of a picture that labels and the scale of the colours take.
+/// [px] height (`MARGIN`) and width (`SIDES`) that labels and the scale of the colours take in a picture.
 const MARGIN: f64 = 70.0;
 const SIDES: f64 = 190.0;
 

@@ -10,12 +10,13 @@ use crate::output::groups::{PanelGroup, distinct, groups};
 use crate::output::numbers::Prefix;
 use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
-/// Name of the figures of a measurement: its name in the case, with hyphens instead of underscores.
+/// Name of the figures of a measurement: the name of the measurement in the case, with hyphens instead of underscores.
 pub fn of_measurement(name: &str) -> String {
     name.replace('_', "-")
 }
 
-/// Figures of all measurements, one for each measurement and group of variants, with a panel per curve.
+/// Figures of all measurements, one for each measurement and group of variants (experiments of a case), with a panel
+/// per curve.
 pub fn measurements(outcomes: &[Outcome]) -> Vec<Figure> {
     groups(outcomes).iter().flat_map(of_group).collect()
 }
@@ -40,7 +41,7 @@ fn of_group(group: &PanelGroup) -> Vec<Figure> {
     names.iter().map(figure).chain(group.members.iter().flat_map(|(name, outcome)| maps(name, outcome))).collect()
 }
 
-/// Maps of the fields of a variant on grids that are one cell thick.
+/// Maps of the fields that an experiment measures on grids that are one cell thick.
 fn maps(variant: &str, outcome: &Outcome) -> Vec<Figure> {
     let figure = |observed: &Observation| {
         let name = format!("{}-map-{}", of_measurement(observed.name), file_name(&outcome.experiment.name));
@@ -52,7 +53,7 @@ fn maps(variant: &str, outcome: &Outcome) -> Vec<Figure> {
     outcome.observations.iter().filter_map(figure).collect()
 }
 
-/// Panel of a curve of a measurement, with one line for each variant that has this curve.
+/// Panel of a curve of a measurement, with one line for each variant (experiment of a case) that has this curve.
 fn panel(group: &PanelGroup, first: &Observation, curve: &ObservedCurve) -> Panel {
     let lines: Vec<(usize, &str, &Observation, &ObservedCurve)> = (0..)
         .zip(&group.members)

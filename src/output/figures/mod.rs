@@ -1,9 +1,9 @@
 //! Pictures of results, as SVG text.
 //!
-//! All pictures except those of `overview` have the style of the file `chart.rs` and a width of 640 px. Bands show one
-//! standard error. A variant has the same colour, dash pattern and marker in every picture of up to six variants.
-//! Values that cannot be drawn are left out. A panel without points contains the text "nothing recorded". A variant is
-//! one of the experiments of a case.
+//! All pictures except those of the module `overview` have the style of the file `chart.rs` and a width of 640 px.
+//! Bands show one standard error. A variant has the same colour, dash pattern and marker in every picture of up to six
+//! variants. Values that cannot be drawn are left out. A panel without points contains the text "nothing recorded". A
+//! variant is one of the experiments of a case.
 
 mod bounces;
 mod budgets;
@@ -48,7 +48,7 @@ use crate::case::saved;
 use crate::outcome::Outcome;
 use crate::record::{Histogram, Impacts};
 
-/// Figures at the top of the page of a comparison; none for a single run.
+/// Figures at the top of the page of a comparison: the differences and the cost. The list is empty for a single run.
 pub fn glance(study: &Study) -> Vec<Figure> {
     overview::differences(study).into_iter().chain(overview::cost(study)).collect()
 }
@@ -98,8 +98,8 @@ pub fn study(outcomes: &[Outcome]) -> Vec<Figure> {
     figures
 }
 
-/// Makes one figure from each picture. Each entry of `pictures` is a title, which names the group of variants drawn in
-/// the picture, and the picture as SVG. The title is empty if there is only one group.
+/// Makes one figure from each picture. Each entry of `pictures` is a title and the picture as SVG. The title names the
+/// group of experiments that are drawn in the picture; it is empty if there is only one group.
 fn of_groups(
     name: &'static str,
     caption: &'static str,
@@ -150,8 +150,8 @@ fn overlaps(outcomes: &[Outcome]) -> Vec<Figure> {
 /// whole name.
 const LONGEST_NAME: usize = 100;
 
-/// Converts a title to a part of a file name: ASCII letters and digits in lower case, and one hyphen instead of each
-/// series of other characters. Long titles are cut, and a checksum of the whole title is added.
+/// Converts a title to a part of a file name: ASCII letters and digits in lower case, and one hyphen in place of other
+/// characters between them. Long titles are cut, and a checksum of the whole title is added.
 pub fn file_name(title: &str) -> String {
     let letters = title.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { ' ' });
     let mut name = letters.collect::<String>().split_whitespace().collect::<Vec<_>>().join("-");
@@ -163,8 +163,8 @@ pub fn file_name(title: &str) -> String {
     name
 }
 
-/// Figures of an impact study: overlap and normal velocity over time, and the slip after oblique impacts if there are
-/// any.
+/// Figures of an impact study: overlap and normal velocity over time, and the slip after oblique impacts if they were
+/// computed.
 pub fn impact(bounces: &[Bounce], oblique: Option<&ObliqueStudy>) -> Vec<Figure> {
     let slip = oblique.map(|study| {
         let caption = "Oblique impacts without spin: slip after against slip before, both over μ u_n. On the line of slope 1 nothing changes; below zero the slip is reversed.";

@@ -15,22 +15,23 @@ use nalgebra::Vector3;
 /// and with more parts there would be few impacts in each part.
 const PARTS: usize = 50;
 
-/// Number of intervals of a curve by theory.
+/// Number of intervals from which a theoretical curve is drawn.
 const POINTS: usize = 600;
 
-/// [-] ratio of the highest to the lowest granular temperature in a panel. Above this ratio, the axis of the
-/// temperature is logarithmic.
+/// [-] largest ratio of the highest to the lowest granular temperature in a panel with a linear axis. Above this ratio,
+/// the axis of the temperature is logarithmic.
 const DECAY: f64 = 20.0;
 
-/// [-] ratio of the largest mean velocity to the settling velocity, above which the settling velocity is drawn.
+/// [-] smallest ratio of the largest mean velocity to the settling velocity with which the settling velocity is drawn.
+/// At lower velocities the settling velocity would lie far outside the curves.
 const NEAR: f64 = 0.1;
 
-/// [-] ratio of the mean velocity to the velocity fluctuations, below which the mean velocity counts as a rounding
-/// error.
+/// [-] ratio of the mean velocity to the velocity fluctuations. Below this ratio, the mean velocity counts as a
+/// rounding error.
 const ROUNDING: f64 = 1e-9;
 
-/// Figures of curves over time of a run or a comparison. Variants that are drawn in the same panels form a group, and
-/// each group has figures of its own.
+/// Figures of curves over time of a run or a comparison. Variants (experiments of a case) that are drawn in the same
+/// panels form a group, and each group has separate figures.
 pub fn over_time(outcomes: &[Outcome]) -> Vec<Figure> {
     let mut figures = Vec::new();
     for group in groups(outcomes) {
@@ -59,7 +60,7 @@ fn picture(group: &PanelGroup, name: &str, caption: &str, panels: Vec<Panel>) ->
     })
 }
 
-/// Time axis that all panels of a group of variants share.
+/// Time axis that all panels of a group of variants (experiments of a case) share.
 struct TimeAxis {
     /// [s] simulated time of the longest run, which is the length of the axis.
     length: f64,
@@ -73,7 +74,7 @@ impl TimeAxis {
     }
 
     /// Makes a panel with this time axis and the given series. Series without points are left out. `None` if only
-    /// series by theory remain.
+    /// theoretical series remain.
     fn panel(&self, y_label: String, series: Vec<PanelSeries>) -> Option<Panel> {
         let series: Vec<PanelSeries> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
         let drawn = series.iter().any(|series| !matches!(series.look, SeriesStyle::Exact | SeriesStyle::Reference));
@@ -85,8 +86,8 @@ impl TimeAxis {
         SeriesPoint::at(time * self.prefix.factor, value)
     }
 
-    /// Curve by theory over the whole time axis. `of` returns its value at a time [s]. Times without a value are left
-    /// out.
+    /// Theoretical curve over the whole time axis. `of` returns the value of the curve at a time [s]. Times without a
+    /// value are left out.
     fn theory(&self, label: &str, of: impl Fn(f64) -> Option<f64>) -> PanelSeries {
         let times = (0..=POINTS).map(|k| self.length * k as f64 / POINTS as f64);
         let points = times.filter_map(|time| Some(self.point(time, of(time)?)));
@@ -94,8 +95,8 @@ impl TimeAxis {
     }
 }
 
-/// Curves of a quantity over time, one per variant. `of` returns the quantity in a row of the time series, or `None` if
-/// it is unknown.
+/// Curves of a quantity over time, one per variant (experiment of a case). `of` returns the quantity in a row of the
+/// time series, or `None` if the quantity is unknown.
 fn lines(group: &PanelGroup, time: &TimeAxis, of: impl Fn(&Row) -> Option<f64>) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let points = outcome.series.rows.iter().filter_map(|row| Some(time.point(row.time, of(row)?)));
@@ -105,7 +106,7 @@ fn lines(group: &PanelGroup, time: &TimeAxis, of: impl Fn(&Row) -> Option<f64>) 
 }
 
 /// Curves of the rate of impacts [1/s] over time, averaged over parts of the run. `count` returns the number of impacts
-/// since the start.
+/// from the start of the run to the time of a row.
 fn rates(group: &PanelGroup, time: &TimeAxis, count: impl Fn(&Row) -> u64) -> Vec<PanelSeries> {
     let line = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows: Vec<&Row> = outcome.series.rows.iter().collect();
@@ -135,8 +136,8 @@ fn largest(series: &[PanelSeries]) -> f64 {
     series.iter().flat_map(|series| &series.points).map(|point| point.y.abs()).fold(0.0, f64::max)
 }
 
-/// Panel of a quantity whose unit `unit` gets an SI prefix, such as milli. `None` for a quantity that is always 0, and
-/// if only series by theory have points.
+/// Panel of a quantity whose unit `unit` gets an SI prefix, such as milli. `None` if the quantity is always 0, or if
+/// only theoretical series have points.
 fn prefixed(time: &TimeAxis, name: &str, unit: &str, mut series: Vec<PanelSeries>) -> Option<Panel> {
     let prefix = Prefix::of(largest(&series));
     series.iter_mut().flat_map(|series| &mut series.points).for_each(|point| point.y *= prefix.factor);
@@ -147,16 +148,16 @@ fn plain(time: &TimeAxis, label: &str, series: Vec<PanelSeries>) -> Option<Panel
     (largest(&series) > 0.0).then(|| time.panel(label.into(), series))?
 }
 
-/// Curves of the granular temperature [m²/s²] over time. The list is empty if the temperature of any variant is unknown
-/// at any instant, as for a few particles.
+/// Curves of the granular temperature [m²/s²] over time. The list is empty if the temperature is unknown at any instant
+/// in any of the runs, as in runs with very few particles.
 fn temperature(group: &PanelGroup, time: &TimeAxis) -> Vec<PanelSeries> {
     let known = |outcome: &Outcome| outcome.series.rows.iter().all(|row| row.temperature.is_some());
     let all = group.members.iter().all(|(_, outcome)| known(outcome));
     if all { lines(group, time, Row::granular_temperature) } else { Vec::new() }
 }
 
-/// Curves of the mean velocity [m/s] along the axis with the index `axis`. The list is empty if the velocities are only
-/// rounding errors of sums that are zero.
+/// Curves of the mean velocity [m/s] along the axis with the index `axis`. The list is empty if the mean velocities are
+/// zero except for rounding errors.
 fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries> {
     let lines = lines(group, time, |row| Some(row.velocity[axis]));
     let rows = group.members.iter().flat_map(|(_, outcome)| &outcome.series.rows);
@@ -218,8 +219,9 @@ fn axis(outcome: &Outcome) -> usize {
     }
 }
 
-/// Distinct theories of the variants of a group, each with the label of its curves. The label names the variants unless
-/// all have this theory. `of` returns the theory of a variant, or `None` if it has none.
+/// Distinct theories of the variants (experiments of a case) of a group, each with the label of its curves. The label
+/// names the variants with this theory, unless all have it. `of` returns the theory of a variant, or `None` if there is
+/// no theory for it.
 fn theories<T: PartialEq>(group: &PanelGroup, of: impl Fn(&Outcome) -> Option<T>) -> Vec<(T, String)> {
     let each = group.members.iter().map(|(name, outcome)| (name.as_str(), of(outcome)));
     distinct(each).into_iter().map(|(theory, whose)| (theory, format!("theory{whose}"))).collect()
@@ -235,7 +237,8 @@ enum PathTheory {
 }
 
 impl PathTheory {
-    /// Position [m] and velocity [m/s] of the particle with the index `id` at `time` [s]; `None` if they are unknown.
+    /// Position [m] and velocity [m/s] of the particle with the id `id` at `time` [s]; `None` if the theory does not
+    /// give them.
     fn at(&self, id: usize, time: f64) -> Option<[Vector3<f64>; 2]> {
         match self {
             Self::Bouncing(bouncing) => bouncing.at(time),
@@ -251,7 +254,8 @@ fn theory(outcome: &Outcome) -> Option<PathTheory> {
     if let [start] = start[..] {
         return Bouncing::of(&outcome.experiment, start).map(PathTheory::Bouncing);
     }
-    // spheres that collide by chance fly through each other
+    // in the DSMC model, pairs collide by chance and otherwise fly through each other, so that the order in a row is
+    // not kept
     let chain = Chain::of(&outcome.experiment.scene, &start).filter(|_| outcome.experiment.model() != Model::Dsmc);
     chain.map(PathTheory::Chain)
 }

@@ -1,6 +1,6 @@
-//! Figures at the top of the page of a comparison: differences in per cent with the margin of equivalence, and the
-//! cost. The pictures use the colours of the page, so that they fit its dark mode too. In separate files they have
-//! light colours. A variant is one of the experiments of a case.
+//! Figures at the top of the page of a comparison: differences in per cent with the margin of equivalence (largest
+//! accepted difference), and the cost. The pictures use the colours of the page, so that they fit its dark mode too. In
+//! separate files the pictures have light colours. A variant is one of the experiments of a case.
 
 use crate::output::numbers::significant;
 use crate::output::panel::Figure;
@@ -8,9 +8,9 @@ use crate::output::{Study, Verdict, cost as cost_of};
 use crate::statistics::{Answer, Estimate, Judged, slice_column};
 use maud::{Markup, html};
 
-/// Name of the picture with the differences between variants and references.
+/// Name of the picture with the differences between variants (experiments of a case) and their references.
 pub const IN_PER_CENT: &str = "differences-in-per-cent";
-/// Name of the picture with the cost of the variants.
+/// Name of the picture with the computing cost of the variants (experiments of a case).
 pub const COST: &str = "cost";
 
 /// [px] width of a picture.
@@ -20,12 +20,13 @@ const NAMES: f64 = 168.0;
 /// [px] height of a row of the picture without its points. [`POINT`] is the additional height for each point.
 const ROW: f64 = 10.0;
 const POINT: f64 = 11.0;
-/// [margins] largest difference on the axis, in units of the margin of equivalence. A larger difference is drawn at the
-/// frame, with its number.
+/// [margins] largest difference on the axis, in units of the margin of equivalence (largest accepted difference). A
+/// larger difference is drawn at the frame, with its number.
 const FURTHEST: f64 = 4.0;
 /// [s] wall-clock time below which the cost of a run depends mainly on other load of the machine.
 const TELLING: f64 = 0.1;
-/// Colours of the variants, the same as in other pictures. The file style.css contains the colours of the dark mode.
+/// Colours of the variants (experiments of a case), equal to those in other pictures. The file style.css contains the
+/// colours of the dark mode.
 const COLOURS: [&str; 7] = super::chart::COLOURS;
 
 fn colour(place: usize) -> String {
@@ -38,9 +39,9 @@ pub fn symbol(quantity: &str) -> String {
     slice_column(quantity).map_or(quantity, |column| column.symbol).into()
 }
 
-/// [%] main difference in a quantity (the one that a report names first), with its standard error. It is given in per
-/// cent of the scale, the value by which differences of this quantity are divided. `None` if the quantity has no main
-/// difference.
+/// [%] main difference in a quantity (the difference that a report names first), with its standard error, in per cent
+/// of the scale. The scale is the value by which differences of this quantity are divided. `None` if the quantity has
+/// no main difference.
 pub fn in_per_cent(one: &Judged) -> Option<Estimate> {
     let found = one.tested.headline()?;
     Some(Estimate::new(found.difference, found.error).times(100.0 / one.tested.scale))
@@ -57,8 +58,9 @@ pub fn quantities<'a>(verdicts: impl Iterator<Item = &'a Verdict>) -> Vec<&'a st
     names
 }
 
-/// Figure of the difference between each variant and its reference for each quantity, in % of the scale of the quantity
-/// (the value by which its differences are divided). The margin of equivalence is a band. `None` without a comparison.
+/// Figure of the difference between each variant (experiment of a case) and its reference for each quantity, in % of
+/// the scale of the quantity (the value by which its differences are divided). A band shows the margin, the largest
+/// accepted difference. `None` without a comparison.
 pub fn differences(study: &Study) -> Option<Figure> {
     let judged =
         |verdict: &Verdict| verdict.comparison.as_ref().map_or(Vec::new(), |comparison| comparison.judged.clone());
@@ -86,9 +88,10 @@ pub fn differences(study: &Study) -> Option<Figure> {
     Some(Figure::new(IN_PER_CENT, caption, picture.draw(study).into_string()))
 }
 
-/// Mark of one variant in a row of the picture: difference between the variant and its reference in one quantity.
+/// Mark of one variant (experiment of a case) in a row of the picture: difference between the variant and its reference
+/// in one quantity.
 struct DifferenceMark {
-    /// Index of the variant, by which its colour is chosen.
+    /// Index of the variant (experiment of a case), by which the colour of the mark is chosen.
     place: usize,
     /// [%] difference with its standard error, in per cent of the scale of the quantity (the value by which its
     /// differences are divided).
@@ -106,7 +109,7 @@ struct Differences {
 }
 
 impl Differences {
-    /// [%] right end of the axis of differences; the left end is its negative.
+    /// [%] right end of the axis of differences. The left end has the opposite sign.
     fn end(&self) -> f64 {
         let reach = |mark: &DifferenceMark| mark.interval.iter().fold(0.0, |most: f64, end| most.max(end.abs()));
         let marks = self.rows.iter().flat_map(|(_, marks)| marks).map(reach).filter(|reach| reach.is_finite());
@@ -149,7 +152,7 @@ fn percent(value: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// Legend with the colour of each variant.
+/// Legend with the colour of each variant (experiment of a case).
 fn names(study: &Study) -> Markup {
     let variants = study.comparisons.iter().filter_map(|verdict| {
         let place = study.outcomes.iter().position(|o| o.experiment.name == verdict.variant)?;
@@ -191,12 +194,12 @@ fn arrow(x: f64, y: f64, side: f64) -> String {
     format!("M{x} {y} l{} -5 v10 z", -9.0 * side)
 }
 
-/// Figure of the cost of each variant: wall-clock time per simulated time, with one bar per variant. `None` without a
-/// comparison, or if no finished run took at least 0.1 s of wall-clock time.
+/// Figure of the computing cost of each variant (experiment of a case): wall-clock time per simulated time, with one
+/// bar per variant. `None` without a comparison, or if no finished run took at least 0.1 s of wall-clock time.
 pub fn cost(study: &Study) -> Option<Figure> {
     let outcomes = study.outcomes;
     let told = outcomes.iter().filter(|o| o.failure.is_none() && o.timing.wall_seconds >= TELLING);
-    // a run that stopped early is left out, because its cost is not that of the whole case
+    // a run that stopped early is not ranked, because its cost is not that of the whole case
     let cheapest = told.filter_map(cost_of).reduce(f64::min)?;
     if study.comparisons.is_empty() || outcomes.len() < 2 {
         return None;
@@ -226,11 +229,12 @@ pub fn cost(study: &Study) -> Option<Figure> {
 struct Bar {
     place: usize,
     name: String,
-    /// [-] cost of the variant over the cost of the cheapest variant; `None` for a run that stopped early.
+    /// [-] cost of the run, divided by the cost of the cheapest run among those that took at least 0.1 s. `None` for a
+    /// run that stopped early.
     ratio: Option<f64>,
     words: String,
-    /// True for the reference, and for a variant that is equivalent to the reference within the margin (largest
-    /// accepted difference).
+    /// True for a reference, and for a variant (experiment of a case) that is equivalent to its reference within the
+    /// margin (largest accepted difference).
     equal: bool,
 }
 
@@ -256,7 +260,7 @@ fn draw(bars: &[Bar]) -> Markup {
     }
 }
 
-/// Shortens the name of a variant so that it fits next to its bar.
+/// Shortens a name so that it fits next to its bar.
 fn short(name: &str) -> String {
     const LONGEST: usize = 23;
     if name.chars().count() <= LONGEST {

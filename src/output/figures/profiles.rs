@@ -17,8 +17,8 @@ use crate::walls::WallGeometry;
 /// Number of points of the drawn profile of the gas velocity.
 const FLUID_POINTS: usize = 201;
 
-/// Picture of the number density over its mean, with a panel per group of variants. The density is that in the volume
-/// that centres of particles can reach.
+/// Picture of the number density divided by its mean, with a panel per group of variants (experiments of a case). The
+/// density is that in the volume that centres of particles can reach.
 pub fn number_density(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let panel = |group: &PanelGroup| {
@@ -28,7 +28,8 @@ pub fn number_density(outcomes: &[Outcome]) -> String {
     draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
 }
 
-/// Picture of the mean streamwise velocity of the particles, with a panel per group of variants.
+/// Picture of the mean streamwise velocity of the particles, with a panel per group of variants (experiments of a
+/// case).
 pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let panel = |group: &PanelGroup| {
@@ -38,8 +39,8 @@ pub fn streamwise_velocity(outcomes: &[Outcome]) -> String {
     draw(&groups(outcomes).iter().map(panel).collect::<Vec<_>>())
 }
 
-/// Picture of the mean streamwise velocities of the particles and of the gas; `None` without a gas. The picture of the
-/// particles alone has no gas, because the wider range of the gas velocity would hide differences between variants.
+/// Picture of the mean streamwise velocities of the particles and of the gas; `None` without a gas. A separate picture
+/// has the particles alone, because the wider range of the gas velocity hides differences between the experiments.
 pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     let height = Height::of(outcomes);
     let groups = groups(outcomes);
@@ -52,9 +53,9 @@ pub fn beside_the_gas(outcomes: &[Outcome]) -> Option<String> {
     Some(draw(&groups.iter().map(panel).collect::<Vec<_>>()))
 }
 
-/// [-] fraction of the slice with the index `k`, of `slices` slices along y, that centres of spheres can reach. Centres
-/// stay a radius away from walls. `None` if this fraction is zero. For several species or sizes of spheres the result
-/// is 1.
+/// [-] fraction of the slice with the index `k` that centres of spheres can reach. The box is divided into `slices`
+/// equal slices along y, and centres stay at least a radius away from walls. `None` if this fraction is zero. For
+/// several species or sizes of spheres the result is 1.
 fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     let scene = &outcome.experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return Some(1.0) };
@@ -73,8 +74,8 @@ fn open_part(outcome: &Outcome, k: usize, slices: usize) -> Option<f64> {
     (open > 0.0).then(|| (open / width).min(1.0))
 }
 
-/// Curves of the number density over its mean across the channel. The density is that in the volume that centres of
-/// particles can reach.
+/// Curves of the number density, divided by its mean, across the channel. The density is that in the volume that
+/// centres of particles can reach.
 fn room(group: &PanelGroup, height: &Height) -> Vec<PanelSeries> {
     let series = |(place, (name, outcome)): (usize, &(String, &Outcome))| {
         let rows = &outcome.profiles.slices;
@@ -98,7 +99,8 @@ pub(super) fn draw(panels: &[Panel]) -> String {
 fn gas(group: &PanelGroup, height: &Height) -> Option<PanelSeries> {
     let (outcome, fluid) =
         group.members.iter().find_map(|(_, outcome)| Some((outcome, outcome.experiment.scene.fluid.as_ref()?)))?;
-    // slices of a pipe also contain particles outside the plane through its axis
+    // in a pipe, the slices contain particles in the whole cross-section, but the gas is drawn in the plane through the
+    // axis
     let label = if matches!(fluid.profile, Profile::Pipe(_)) { "gas, in the plane through the axis" } else { "gas" };
     let points = match &outcome.gas {
         Some(gas) => loaded_points(gas, &fluid.profile, height),
@@ -107,7 +109,8 @@ fn gas(group: &PanelGroup, height: &Height) -> Option<PanelSeries> {
     Some(PanelSeries { label: label.into(), look: SeriesStyle::Reference, points })
 }
 
-/// Time averages of the velocity of a gas on which the particles act, at the grid points of both halves of the channel.
+/// Points of the time-averaged velocity of a gas on which the particles act, at the grid points of both halves of the
+/// channel. The grid is computed for one half only.
 fn loaded_points(gas: &GasFlow, profile: &Profile, height: &Height) -> Vec<SeriesPoint> {
     let [low, high] = profile.between(height.length);
     let lower = gas.mean.iter().map(|node| (low + node.y, node.u));
@@ -131,21 +134,22 @@ pub(super) fn gas_velocity(profile: &Profile, length: f64) -> Panel {
 }
 
 /// Pictures of the six second moments of velocity, with a panel per moment. Each entry of the list belongs to a group
-/// of variants: the title of the group, and its picture.
+/// of variants (experiments of a case): the title of the group, and its picture.
 pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     panels(&groups(outcomes), &Height::of(outcomes), statistics::second_moments())
 }
 
 /// Pictures of the mean spins and of the parts of the rotational temperature along x, y and z, with a panel per
-/// quantity. Each entry of the list belongs to a group of variants with rotating spheres: the title of the group, and
-/// its picture.
+/// quantity. Each entry of the list belongs to a group of variants (experiments of a case) with rotating spheres: the
+/// title of the group, and its picture.
 pub fn spins(outcomes: &[Outcome]) -> Vec<(String, String)> {
     let mut groups = groups(outcomes);
     groups.retain(|group| group.members.iter().any(|(_, outcome)| outcome.experiment.scene.rotation.is_some()));
     panels(&groups, &Height::of(outcomes), &statistics::spin_components().collect::<Vec<_>>())
 }
 
-/// Title and picture of each group of variants. Each picture has a panel for each quantity in `columns`.
+/// Title and picture of each group of variants (experiments of a case). Each picture has a panel for each quantity in
+/// `columns`.
 fn panels(groups: &[PanelGroup], height: &Height, columns: &[SliceColumn]) -> Vec<(String, String)> {
     let picture = |group: &PanelGroup| {
         let panel = |column: &SliceColumn| {
@@ -156,9 +160,9 @@ fn panels(groups: &[PanelGroup], height: &Height, columns: &[SliceColumn]) -> Ve
     groups.iter().map(picture).collect()
 }
 
-/// Picture of the difference between each variant and its reference, in standard errors of the difference, with a panel
-/// for each quantity. The averages in each slice of the box across y are compared. A variant is left out if its number
-/// of slices differs from that of its reference.
+/// Picture of the difference between each variant (experiment of a case) and its reference, in standard errors of the
+/// difference, with a panel for each quantity. The averages in each slice (layer of the box normal to y) are compared.
+/// A variant is left out if its number of slices differs from that of its reference.
 pub fn differences(outcomes: &[Outcome]) -> String {
     let height = Height::of(outcomes);
     let rotating = outcomes.iter().all(|outcome| outcome.experiment.scene.rotation.is_some());
@@ -198,8 +202,8 @@ fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<Pan
         let slices = |k: usize| outcomes[k].profiles.slices.len();
         place != reference && slices(*place) == slices(*reference)
     });
-    // a variant has the same style in all pictures; with more variants than styles, styles are counted over the drawn
-    // variants only, so that fewer styles repeat
+    // a variant has the same style in all pictures; if there are more variants than styles, only the drawn variants are
+    // counted to choose a style, so that fewer styles are used twice
     let kept = outcomes.len() <= TOLD_APART;
     pairs
         .enumerate()
@@ -215,7 +219,7 @@ fn scores(outcomes: &[Outcome], height: &Height, column: SliceColumn) -> Vec<Pan
         .collect()
 }
 
-/// Wall-normal axis y that all profiles share.
+/// Axis y, normal to the walls, that all profiles share.
 struct Height {
     /// [m] height of the domain along y, which is the length of the axis.
     length: f64,

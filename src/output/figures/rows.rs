@@ -15,7 +15,7 @@ const ROW: f64 = 18.0;
 const DOT: f64 = 7.0;
 /// [px] height of the axis, its label and the legend together.
 const REST: f64 = 130.0;
-/// Number of decades that the axis extends to the left of the vertical line.
+/// Number of decades (powers of ten) by which the axis extends to the left of the vertical line.
 const DECADES: f64 = 2.0;
 
 /// Point in a row of a picture with rows of points.
@@ -26,7 +26,8 @@ pub struct Dot {
     pub value: f64,
     /// [units of the axis] standard error of the value; `None` if no error is drawn.
     pub error: Option<f64>,
-    /// True if the answer for this value is certain. Points with uncertain answers have pale colours.
+    /// True if the answer for this value is certain (equivalent or different). Points with an uncertain answer have
+    /// pale colours.
     pub sure: bool,
 }
 
@@ -88,9 +89,9 @@ pub fn rows(picture: &RowsFigure) -> String {
     svg(&render_multiple(plots, layout.with_width(WIDTH).with_height(height)))
 }
 
-/// Plot of the points of one kind, given by its index `series` in the list of kinds. If `sure` is true, it contains the
-/// points with a certain answer, otherwise the other points. Points below `floor` are drawn at `floor`. `None` without
-/// points.
+/// Plot of the points of one kind, given by the index `series` in the list of kinds. If `sure` is true, the plot
+/// contains the points with a certain answer, otherwise those with an uncertain answer. Points below `floor` are drawn
+/// at `floor`. `None` without points.
 fn points(picture: &RowsFigure, series: usize, sure: bool, floor: f64) -> Option<Plot> {
     let kinds = picture.series.len() as f64;
     let (mut data, mut arms) = (Vec::new(), Vec::new());

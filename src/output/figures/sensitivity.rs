@@ -6,7 +6,8 @@ use crate::output::panel::Figure;
 use crate::output::sensitivity::{Factor, SensitivityStudy, Shift};
 use crate::statistics::{Answer, slice_column};
 
-/// Figure with one row per factor; the most important factor is at the top. The list is empty without factors.
+/// Figure with one row per factor (changed input of the case); the most important factor is at the top. The list is
+/// empty without factors.
 pub fn sensitivity(study: &SensitivityStudy) -> Vec<Figure> {
     if study.factors.is_empty() {
         return Vec::new();
@@ -33,7 +34,7 @@ pub fn sensitivity(study: &SensitivityStudy) -> Vec<Figure> {
     vec![Figure::new("sensitivity", caption, picture)]
 }
 
-/// Symbol of an observable for the legend; a short name for observables without a symbol.
+/// Symbol of an observable for the legend, or a short name for an observable without a symbol.
 fn symbol(name: &str) -> String {
     match name {
         "granular temperature" => "T".into(),

@@ -8,7 +8,8 @@ use crate::output::panel::{Figure, Panel, PanelSeries, SeriesPoint, SeriesStyle}
 use crate::output::sweep::{OBSERVABLES, SweepObservable, SweepRow, SweepStudy};
 
 /// Figures of all observables that are known at one or more points of the sweep. The first varied key is on the
-/// horizontal axis. There is a curve for each variant and each combination of values of the other keys.
+/// horizontal axis. There is a curve for each variant (experiment of a case) and each combination of values of the
+/// other keys.
 pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
     let Some(axis) = study.axes.first() else { return Vec::new() };
     let known = |observable: &&SweepObservable| study.rows.iter().any(|row| row.measured(observable.key).is_some());
@@ -27,7 +28,8 @@ pub fn sweep(study: &SweepStudy) -> Vec<Figure> {
     OBSERVABLES.iter().filter(known).map(picture).collect()
 }
 
-/// Legend for a key whose values are words: number of each value on the horizontal axis. Empty for a key with numbers.
+/// Legend for a key whose values are words: the number at which each value is drawn on the horizontal axis. Empty for a
+/// key whose values are numbers.
 fn places(axis: &SweepAxis) -> String {
     if axis.numbers.is_some() {
         return String::new();
@@ -77,7 +79,7 @@ fn panel(study: &SweepStudy, axis: &SweepAxis, observable: &SweepObservable) -> 
     }
 }
 
-/// True if all values are positive and span at least a decade, so that the axis is logarithmic.
+/// True if all values are positive and the largest is at least ten times the smallest, so that the axis is logarithmic.
 fn is_wide(numbers: &[f64]) -> bool {
     let (low, high) =
         numbers.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &x| (low.min(x), high.max(x)));

@@ -8,8 +8,8 @@ use crate::output::panel::{Figure, Panel};
 use crate::output::{ValidationRow, ValidationTier};
 use crate::statistics::Answer;
 
-/// Figure with the largest deviation of each row of the suite, followed by the pictures of single rows. The list is
-/// empty without rows.
+/// Figure with the largest deviation in each row (comparison) of the suite, followed by the pictures of single rows.
+/// The list is empty if there are no rows.
 pub fn validation(all: &[ValidationRow]) -> Vec<Figure> {
     if all.is_empty() {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! Figures of the work-precision chart: error of each method over its computing cost.
+//! Figures of the work-precision chart: the error of each method as a function of its computing cost.
 
 use super::chart;
 use crate::experiment::Model;
@@ -6,10 +6,10 @@ use crate::output::panel::Figure;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::output::{ChartStudy, CostMeasure, cheapest};
 
-/// [-] smallest error on the vertical axis. A smaller error is drawn on the lower frame.
+/// [-] smallest error on the vertical axis. Smaller errors are drawn on the lower frame of the picture.
 const LOWEST: f64 = 1e-9;
 
-/// [-] largest error with which a method may be marked as the cheapest one, followed by this error as text.
+/// [-] largest error with which a method may be marked as the cheapest, as a number and as text.
 pub const WITHIN: (f64, &str) = (0.01, "1 %");
 
 /// Figures of the error of each quantity. The first figures show the error as a function of the number of operations,

@@ -10,17 +10,18 @@ use nalgebra::Vector3;
 /// Number of frames (instants) of the recording of an impact.
 const FRAMES: usize = 240;
 
-/// [diameters] size at which the largest overlap of any variant is drawn. All gaps and overlaps are enlarged by the
-/// same factor, which follows from this size.
+/// [diameters] size at which the largest overlap among all experiments is drawn. All gaps and overlaps are enlarged by
+/// the same factor, which follows from this size.
 const DEEP: f64 = 0.3;
 
-/// [-] durations of the recording before and after the first touch, each divided by the duration of the longest
-/// contact.
+/// [-] durations of the recording before (`BEFORE`) and after (`AFTER`) the first touch, each divided by the duration
+/// of the longest contact.
 const BEFORE: f64 = 0.6;
 const AFTER: f64 = 1.4;
 
 impl Player {
-    /// Makes a recording with one impact for each variant; `None` if no variant has a contact with a duration.
+    /// Makes a recording with one impact for each variant (experiment of a case). `None` unless at least one impact has
+    /// a duration.
     pub fn of_impact(study: &ImpactStudy) -> Option<Self> {
         let of = |pick: fn(&Bounce) -> Option<f64>| {
             study.bounces.iter().filter_map(pick).filter(|value| value.is_finite()).fold(0.0, f64::max)
@@ -64,8 +65,8 @@ fn size(study: &ImpactStudy) -> Vector3<f64> {
     Vector3::new(3.6, 1.4, 1.4) * study.diameter
 }
 
-/// Records the motion of a variant at equal intervals, from `from` to `to` [s] after the first touch. Gaps are enlarged
-/// by the factor `magnified` [-]. `None` if the spheres never touch.
+/// Records the motion in one impact at equal intervals, from the time `from` to the time `to` [s], both counted from
+/// the first touch. Gaps are enlarged by the factor `magnified` [-]. `None` if the spheres never touch.
 fn record<'a>(
     study: &ImpactStudy,
     bounce: &'a Bounce,
@@ -99,12 +100,13 @@ fn record<'a>(
     (recorded.frames.len() > 1).then_some((bounce, recorded))
 }
 
-/// [s] time at which the gap between the bodies first becomes zero; `None` if it never does.
+/// [s] time at which the gap between the bodies first becomes zero; `None` if the bodies never touch.
 fn touch(path: &[PathPoint]) -> Option<f64> {
     path.windows(2).find_map(|pair| {
         let (a, b) = (pair[0], pair[1]);
         let closes = a.gap > 0.0 && (b.gap <= 0.0 || b.normal_velocity > 0.0 && a.normal_velocity < 0.0);
-        // a collision without duration, between two points of the path, ends the straight motion from the first point
+        // a collision without duration happens between two points of the path, at the time at which the straight motion
+        // from the first point closes the gap
         let flight = a.time - a.gap / a.normal_velocity;
         closes.then(
             || if b.gap < 0.0 { a.time + (b.time - a.time) * a.gap / (a.gap - b.gap) } else { flight.min(b.time) },
@@ -112,8 +114,9 @@ fn touch(path: &[PathPoint]) -> Option<f64> {
     })
 }
 
-/// Gap [m] and normal velocity [m/s] at a time [s]. Values between points of the path are interpolated linearly. Before
-/// the first and after the last point, the normal velocity is constant. `None` if the path has no points.
+/// Gap [m] and normal velocity [m/s] at the time `time` [s]. Values between points of the path are interpolated
+/// linearly. Before the first and after the last point, the normal velocity is assumed to be constant. `None` if the
+/// path has no points.
 fn at(path: &[PathPoint], time: f64) -> Option<(f64, f64)> {
     let (first, last) = (path.first()?, path.last()?);
     let straight = |point: &PathPoint| (point.gap + point.normal_velocity * (time - point.time), point.normal_velocity);

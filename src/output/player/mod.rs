@@ -1,10 +1,11 @@
-//! Animations of several variants (experiments of a case) next to each other on a page: data for player.js, and still
-//! pictures for print and for readers without scripts.
+//! Animations of several variants (experiments of a case) next to each other on a page. This module makes the data for
+//! the script player.js, and still pictures for print and for readers without scripts.
 //!
 //! The page contains the recording as JSON. Positions are 16-bit fractions of the box; velocities, overlaps and spins
-//! are 16-bit fractions of their largest value. This resolution is finer than that of a screen. The order is: all
-//! positions, all velocities, overlaps (if any), spins (if any). At the end are code numbers of the methods that moved
-//! the particles. The values of each quantity are ordered by frame (recorded instant), then by particle.
+//! are 16-bit fractions of their largest value. This resolution is finer than the pixels of a screen. The recording has
+//! first all positions, then all velocities, then overlaps and spins, if there are any. At the end are code numbers of
+//! the methods that moved the particles. The values of each quantity are ordered by frame (recorded instant), then by
+//! particle.
 
 mod impact;
 mod outlines;
@@ -23,7 +24,8 @@ use maud::{Markup, PreEscaped, html};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-/// Number of variants that have a panel when the page opens. The reader can choose other variants.
+/// Number of variants (experiments of a case) that have a panel when the page opens. The reader can choose other
+/// variants.
 const SHOWN: usize = 3;
 
 /// Scripts, in the order in which a page contains them.
@@ -37,13 +39,13 @@ const FULL: f64 = u16::MAX as f64;
 pub(super) struct Player {
     /// Caption of the animation, of one or two sentences.
     words: String,
-    /// Name and still picture of each variant that has a panel.
+    /// Name and still picture (SVG) of each variant (experiment of a case) that has a panel when the page opens.
     panels: Vec<(String, String)>,
     /// Data of the recorded motion for the script.
     data: Value,
 }
 
-/// Recorded motion of one variant.
+/// Recorded motion of one variant (experiment of a case).
 struct RecordedVariant<'a> {
     name: &'a str,
     /// Reason why the run stopped early; `None` if it ended regularly.
@@ -51,17 +53,18 @@ struct RecordedVariant<'a> {
     frames: &'a Frames,
 }
 
-/// Data of a recording that are common to all variants: box, walls, gravity and view.
+/// Data of a recording that are common to all variants (experiments of a case): box, walls, gravity and view.
 struct RecordingFrame {
     /// [m] edge lengths of the box along x, y and z.
     size: Vector3<f64>,
     periodic: [bool; 3],
     /// Line segments that outline each wall, with six coordinates [m] per segment.
     walls: Vec<Vec<f64>>,
-    /// [m/s²] acceleration by gravity, for the curved paths of particles between the recorded instants; 0 in a gas.
+    /// [m/s²] acceleration by gravity, with which the script draws curved paths between the recorded instants; 0 in a
+    /// gas.
     gravity: Vector3<f64>,
-    /// [m/s] mean initial velocity along periodic axes, where it is larger than the fluctuations. The view of the
-    /// animation may move with this velocity.
+    /// [m/s] mean initial velocity along each periodic axis. A component is 0 unless it is larger than the velocity
+    /// fluctuations. The view of the animation may move with this velocity.
     drift: Vector3<f64>,
     /// Names of the species.
     names: Vec<String>,
@@ -73,7 +76,8 @@ struct RecordingFrame {
 }
 
 impl Player {
-    /// Makes the animation of recorded runs; `None` unless a run has at least two recorded instants and a sphere.
+    /// Makes the animation of recorded runs. Runs with fewer than two recorded instants or without spheres are left
+    /// out; `None` if no run remains.
     pub fn of(outcomes: &[Outcome], frames: &[Frames]) -> Option<Self> {
         let variants =
             outcomes.iter().zip(frames).filter(|(_, frames)| frames.frames.len() > 1 && !frames.radius.is_empty());
@@ -109,7 +113,7 @@ impl Player {
 
     /// HTML of the animation for a page, with its still pictures and data.
     pub fn markup(&self) -> Markup {
-        // in a script element, only a tag could end the data
+        // within a script element of a page, a tag would end the data, so each character `<` is replaced
         let data = self.data.to_string().replace('<', "\\u003c");
         html! {
             section.player aria-label="Particles" {
@@ -166,9 +170,9 @@ fn stage(outcome: &Outcome, frames: &Frames) -> RecordingFrame {
     }
 }
 
-/// View that shows a scene best, as the names of the axes to the right and upwards. The upward axis is z if there is no
-/// gas and gravity has a component along z but none along y; otherwise it is y. More than 50 spheres without walls have
-/// the view `3d`, in three dimensions.
+/// View that shows a scene best, as the names of the two axes that point to the right and upwards in the picture. The
+/// upward axis is z if there is no gas and gravity has a component along z but none along y; otherwise it is y. More
+/// than 50 spheres without walls have the view `3d`, in three dimensions.
 fn view(scene: &Scene, shown: usize) -> &'static str {
     let size = scene.domain.size;
     let falls_along_z = scene.gravity.z != 0.0 && scene.gravity.y == 0.0 && scene.fluid.is_none();
@@ -194,7 +198,7 @@ fn drift(scene: &Scene, frames: &Frames) -> Vector3<f64> {
 }
 
 impl RecordedVariant<'_> {
-    /// Data of the recorded motion of a variant, for the script of the animation.
+    /// Data of the recorded motion of one experiment, for the script of the animation.
     fn record(&self, stage: &RecordingFrame) -> Value {
         let Frames { radius, species, frames, .. } = self.frames;
         let fastest = frames.iter().flat_map(|frame| &frame.velocity).fold(0.0_f32, |most, v| most.max(v.amax()));

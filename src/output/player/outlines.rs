@@ -1,4 +1,4 @@
-//! Walls of a scene as line segments for animations.
+//! Walls of a scene as line segments, for animations on a page.
 
 use crate::output::trajectory::flat;
 use crate::scene::Scene;
@@ -9,7 +9,7 @@ use std::collections::HashMap;
 /// [-] cosine of 25 degrees. The common edge of two triangles is drawn if their normals differ by a larger angle.
 const SHARP: f64 = 0.906;
 
-/// Largest number of line segments that are drawn for one surface. More segments would cover the spheres.
+/// Largest number of line segments that are drawn for one surface. More segments would hide the spheres.
 const MOST: usize = 2000;
 
 /// Line segments that outline each wall, with six coordinates [m] per segment: borders of planes, and edges of bodies.

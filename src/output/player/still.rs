@@ -5,11 +5,11 @@ use crate::observe::Frames;
 use maud::html;
 use nalgebra::Vector3;
 
-/// [px] width of a still picture, and margin between its edge and the box.
+/// [px] width (`WIDTH`) of a still picture, and margin (`MARGIN`) between the edge of the picture and the box.
 const WIDTH: f64 = 400.0;
 const MARGIN: f64 = 6.0;
 
-/// Colours of spheres from the slowest to the fastest, as in scene.js.
+/// Colours of spheres, from that of the slowest to that of the fastest sphere, as in the script scene.js.
 const SCALE: [&str; 6] = ["#323888", "#245696", "#1b798e", "#3e9d79", "#8ebc52", "#ecd646"];
 
 /// SVG picture of the last recorded instant of a run; empty if nothing was recorded. Spheres are coloured by speed.
