@@ -23,7 +23,7 @@ pub(super) struct Table {
     pub remarks: bool,
 }
 
-/// Table of answers of a comparison, with quantities in rows and variants in columns.
+/// Table of the answers of a comparison, with quantities in rows and variants (experiments of a case) in columns.
 #[derive(Clone, Debug)]
 pub(super) struct Matrix {
     /// Names of the columns, each with a remark that is shown below it.
@@ -60,7 +60,7 @@ pub(super) enum Block {
     /// List of terms, each with its value as text. The page leaves out terms with an empty value.
     Entries(Vec<(String, String)>),
     Table(Table),
-    /// Table of answers, with quantities in rows and variants in columns.
+    /// Table of answers, with quantities in rows and variants (experiments of a case) in columns.
     Matrix(Matrix),
     /// Animation of the recorded motion of particles.
     Player(Box<Player>),

@@ -30,15 +30,15 @@ pub fn references(outcomes: &[Outcome]) -> Vec<usize> {
 
 /// Variants (experiments of a case) that are drawn together in one panel of a picture.
 pub(super) struct PanelGroup<'a> {
-    /// Common beginning of the names of the variants in the group, or the name of their reference; empty if there is
+    /// Common beginning of the names of the experiments in the group, or the name of their reference. Empty if there is
     /// only one group.
     pub title: String,
-    /// For each variant: the part of its name that is not in `title`, and its results.
+    /// For each variant (experiment of a case): the part of its name that is not in `title`, and its results.
     pub members: Vec<(String, &'a Outcome)>,
 }
 
-/// Returns one group of all variants if there are at most [`TOLD_APART`] variants, or if all have the same reference.
-/// Otherwise returns one group for each reference.
+/// Returns one group of all variants (experiments of a case) if there are at most [`TOLD_APART`] variants, or if all
+/// have the same reference. Otherwise returns one group for each reference.
 pub(super) fn groups(outcomes: &[Outcome]) -> Vec<PanelGroup<'_>> {
     let name = |outcome: &Outcome| outcome.experiment.name.clone();
     let references = references(outcomes);
@@ -79,8 +79,8 @@ pub(super) fn distinct<'a, T: PartialEq>(of: impl Iterator<Item = (&'a str, Opti
     found.into_iter().map(|(value, names)| (value, named(names))).collect()
 }
 
-/// Splits the names of variants at their first comma: "case B, soft" and "case B, hard" give "case B", and the list
-/// "soft", "hard". `None` if the parts before the comma differ, or if a name has no comma.
+/// Splits the names of variants (experiments of a case) at their first comma: "case B, soft" and "case B, hard" give
+/// "case B", and the list "soft", "hard". `None` if the parts before the comma differ, or if a name has no comma.
 fn split(names: &[String]) -> Option<(String, Vec<String>)> {
     let (title, _) = names.first()?.split_once(", ")?;
     let rest = names.iter().map(|name| Some(name.strip_prefix(title)?.strip_prefix(", ")?.to_owned()));

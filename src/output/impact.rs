@@ -37,26 +37,26 @@ pub struct Analytic {
     pub values: BounceValues,
 }
 
-/// Computed impact of one variant of the impact study.
+/// Impact of two bodies as computed by one variant (experiment of a case) of the impact study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounce {
-    /// Name of the variant.
+    /// Name of the variant (experiment of a case).
     pub name: String,
-    /// Collision model of the variant.
+    /// Collision model with which the impact was computed.
     pub model: Model,
     /// Computed path of the two bodies.
     pub path: Vec<PathPoint>,
     /// Restitution, contact time and largest overlap of the computed impact.
     pub values: BounceValues,
-    /// Closed-form solution for the parameters of the variant; `None` if there is none.
+    /// Closed-form solution for the parameters of this experiment; `None` if there is no such solution.
     pub analytic: Option<Analytic>,
-    /// [s] time step of the variant; `None` for event-driven collisions.
+    /// [s] time step of the run; `None` for event-driven collisions.
     pub time_step: Option<f64>,
     /// Number of time steps or events that the run needed.
     pub work: u64,
     /// [s] wall-clock time of the run of the impact.
     pub wall_seconds: f64,
-    /// All parameters of the variant in SI, as written to `summary.json`.
+    /// All parameters of the experiment in SI, as written to `summary.json`.
     pub parameters: serde_json::Value,
     /// Reason why the run stopped early; `None` if it ended regularly.
     pub failure: Option<Failure>,
@@ -66,7 +66,7 @@ pub struct Bounce {
 /// slip before them. The reduced slip is s/(μ u_n), with slip s, coefficient of friction μ and normal speed u_n.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObliqueCurve {
-    /// Name of the variant to which the curve belongs.
+    /// Name of the variant (experiment of a case) to which the curve belongs.
     pub name: String,
     /// Reduced slip s/(μ u_n) before and after the impact [-], with slip s, coefficient of friction μ and normal speed
     /// u_n.
@@ -128,7 +128,8 @@ pub struct ImpactStudy<'a> {
     pub diameter: f64,
     /// [m/s] normal speed of approach of the two bodies.
     pub impact_speed: f64,
-    /// Answers in sentences: one per variant, then those on oblique impacts. The page begins with these sentences.
+    /// Answers in sentences: one per variant (experiment of a case), then those on oblique impacts. The page begins
+    /// with these sentences.
     pub verdicts: &'a [String],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],

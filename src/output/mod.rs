@@ -148,22 +148,23 @@ pub struct Study<'a> {
     pub provenance: &'a Provenance,
     /// Results of the runs: one [`Outcome`] per variant (experiment of a case).
     pub outcomes: &'a [Outcome],
-    /// All parameters of each variant in SI, in the order of the variants.
+    /// All parameters of each variant (experiment of a case) in SI, in the order of the variants.
     pub parameters: &'a [serde_json::Value],
     /// Answers in sentences: first those of the comparisons between variants (experiments of a case), then further
     /// findings. The page begins with the first of these sentences.
     pub verdicts: &'a [String],
     /// Comparisons of variants (experiments of a case), each with its reference variant; empty for a single run.
     pub comparisons: &'a [Verdict],
-    /// Settings that distinguish each variant, as typed in the case, in the order of the variants. An empty text means
-    /// no settings.
+    /// Settings that distinguish each variant (experiment of a case) from the others, as typed in the case. An empty
+    /// text means no settings.
     pub overrides: &'a [String],
     /// Remarks on how far the numbers are reliable, one sentence each.
     pub notes: &'a [String],
     /// Checks of the results: one sheet (list of checks) per variant (experiment of a case), in the order of the
     /// variants.
     pub trust: &'a [TrustSheet],
-    /// Recorded motion of the particles for animations, in the order of the variants; empty without animations.
+    /// Recorded motion of the particles for animations, in the order of the variants (experiments of a case). Empty
+    /// without animations.
     pub frames: &'a [Frames],
 }
 

@@ -24,11 +24,12 @@ impl Figure {
 /// Style in which a series is drawn.
 #[derive(Clone, Copy, Debug)]
 pub enum SeriesStyle {
-    /// Line with a band of one standard error, in the colour of the variant with this index.
+    /// Line with a band of one standard error, in the colour of the variant (experiment of a case) with this index.
     Line(usize),
-    /// Thin line through all points, such as the outline of a histogram, in the colour of the variant with this index.
+    /// Thin line through all points, such as the outline of a histogram. It has the colour of the variant (experiment
+    /// of a case) with this index.
     Steps(usize),
-    /// Separate points, in the colour of the variant with this index.
+    /// Separate points, in the colour of the variant (experiment of a case) with this index.
     Points(usize),
     /// Points with error bars, joined by a thin line, in the colour with this index. The index is that of a method in a
     /// work-precision chart, or of a curve of a sweep.

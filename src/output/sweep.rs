@@ -173,7 +173,7 @@ pub struct SweepStudy<'a> {
     pub provenance: &'a Provenance,
     /// Keys (settings) of the case that the sweep varies, with their values.
     pub axes: &'a [SweepAxis],
-    /// Names of the variants that run at each point of the sweep.
+    /// Names of the variants (experiments of a case) that run at each point of the sweep.
     pub variants: &'a [String],
     /// Index of the first variant (experiment of a case) with hard spheres, with which the other variants are compared.
     /// `None` if no variant has hard spheres.

@@ -137,7 +137,7 @@ pub enum HalvedStep {
 /// Trust sheet of one variant (experiment of a case): checks that show how far its results are reliable.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrustSheet {
-    /// Name of the variant.
+    /// Name of the variant (experiment of a case).
     pub variant: String,
     /// Checks of the results, each with its judgement.
     pub checks: Vec<TrustCheck>,

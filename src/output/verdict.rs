@@ -28,22 +28,22 @@ pub struct Verdict {
     /// Answer: equivalent, different or unresolved.
     #[serde(rename = "verdict")]
     pub answer: Answer,
-    /// Kind of data, such as averages, by which the variant and its reference were compared.
+    /// Kind of data that was compared, such as averages.
     pub basis: Basis,
     /// Sentence that states the answer for the report.
     pub sentence: String,
-    /// Reason why this kind of data was compared, in words.
+    /// Reason why data of the kind `basis` were compared, in words.
     pub reason: String,
     /// [-] margin of equivalence: largest accepted difference, divided by the scale (reference magnitude) of the
     /// observable.
     pub margin: f64,
     /// Statistical tests of the compared observables; `None` for a comparison of paths.
     pub comparison: Option<Comparison>,
-    /// Differences in the numbers that the variant and its reference both measure because the case has a table
-    /// `[observe]`. They have no effect on `answer`. Empty unless averages were compared.
+    /// Differences in further numbers, which both runs measure because the case has a table `[observe]`. They have no
+    /// effect on `answer`. Empty unless averages were compared.
     #[serde(rename = "observe")]
     pub observed: Vec<ObservedDifference>,
-    /// Further remarks on the comparison of the variant with its reference, one sentence each.
+    /// Further remarks on the comparison, one sentence each.
     #[serde(skip)]
     pub further: Vec<String>,
 }
