@@ -16,8 +16,8 @@ use crate::scene::Scene;
 use crate::statistics::{SliceColumn, SliceRow, slice_columns};
 use ::csv::Writer;
 
-/// Contents of `profiles.csv`, with one row per variant (experiment of a case) and slice (layer of the box normal to y).
-/// Units: m, m/s, and powers of m/s for moments of velocity. Columns with `_se` contain one standard error.
+/// Contents of `profiles.csv`, with one row per variant (experiment of a case) and slice (layer of the box normal to
+/// y). Units: m, m/s, and powers of m/s for moments of velocity. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -77,7 +77,8 @@ fn rotating(outcomes: &[Outcome]) -> bool {
     outcomes.iter().any(|outcome| outcome.experiment.scene.rotation.is_some())
 }
 
-/// Header of the averages in a slice (layer of the box normal to y): names of the values, then of their standard errors.
+/// Header of the averages in a slice (layer of the box normal to y): names of the values, then of their standard
+/// errors.
 fn slice_head(outcomes: &[Outcome]) -> String {
     let columns = slice_columns(rotating(outcomes));
     let values: String = columns.iter().map(|column| format!("{},", column.name)).collect();
@@ -85,8 +86,8 @@ fn slice_head(outcomes: &[Outcome]) -> String {
     format!("slice,y_m,{values}{errors}samples")
 }
 
-/// Cells of the row of one slice (layer of the box normal to y), in the order of [`slice_head`]. If `rotating` is true, the
-/// columns of rotating spheres are included.
+/// Cells of the row of one slice (layer of the box normal to y), in the order of [`slice_head`]. If `rotating` is true,
+/// the columns of rotating spheres are included.
 fn slice(index: usize, row: &SliceRow, rotating: bool) -> impl Iterator<Item = String> {
     let found = |column: &SliceColumn| row.of(*column);
     let columns = slice_columns(rotating).iter();
@@ -190,8 +191,8 @@ pub fn overlaps(outcomes: &[Outcome]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// Contents of `budgets.csv`: terms of the budgets of the second moments of velocity [m²/s³]. There is one row per
-/// moment and slice (layer of the box normal to y), with the centre y [m] of the slice. Rows with an empty cell `slice` are
-/// means over all particles. Columns with `_se` contain one standard error.
+/// moment and slice (layer of the box normal to y), with the centre y [m] of the slice. Rows with an empty cell `slice`
+/// are means over all particles. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
