@@ -64,7 +64,7 @@ pub enum ChartFailure {
 }
 
 impl ChartFailure {
-    /// Kind of the failure as one word, as in JSON.
+    /// Kind of the failure as one word, as it is written in JSON.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Engine(failure) => failure.kind(),
@@ -73,7 +73,7 @@ impl ChartFailure {
     }
 }
 
-/// Point of the work-precision chart: one method at one value of its swept parameter.
+/// Point of the work-precision chart: one method with one value of the parameter that is swept (varied).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartPoint {
     /// Index in [`ChartStudy::methods`] of the method of this point of the chart.
@@ -96,20 +96,20 @@ pub struct ChartPoint {
     pub failure: Option<ChartFailure>,
 }
 
-/// Method of computing collisions, with the parameter that is swept for the chart.
+/// Method of computing collisions, with the parameter that is swept (varied) for the chart.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartMethod {
-    /// Name of the method, such as an engine with its stepping.
+    /// Name of the method, such as that of an engine with its kind of time steps.
     pub name: String,
     /// Collision model of the method.
     pub model: Model,
     /// Symbol of the parameter of the method that is swept (varied), such as that of the time step.
     pub knob: &'static str,
-    /// Unit of the swept parameter; empty if it has no unit.
+    /// Unit of the swept (varied) parameter; empty if this parameter has no unit.
     pub unit: &'static str,
 }
 
-/// Power law fitted to the errors of a method as a function of its swept parameter.
+/// Power law fitted to the errors of a method as a function of the parameter that is swept (varied).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChartSlope {
     /// Index in [`ChartStudy::methods`] of the method to which the power law belongs.
@@ -119,7 +119,7 @@ pub struct ChartSlope {
     /// Fitted exponent of the power law, with its error.
     #[serde(flatten)]
     pub law: PowerLaw,
-    /// Smallest and largest value of the swept parameter in the fitted range, in the unit of this parameter.
+    /// Smallest and largest value of the swept (varied) parameter in the fitted range, in the unit of this parameter.
     pub range: (f64, f64),
 }
 
@@ -150,7 +150,7 @@ pub struct ChartStudy<'a> {
     pub methods: &'a [ChartMethod],
     /// Quantities whose errors are drawn in the chart.
     pub quantities: &'a [ChartQuantity],
-    /// Points of the chart: one for each method and value of its swept parameter.
+    /// Points of the chart: one for each method and each value of its parameter that is swept (varied).
     pub points: &'a [ChartPoint],
     /// Power laws fitted to the errors of the methods.
     pub slopes: &'a [ChartSlope],

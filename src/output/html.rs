@@ -19,7 +19,7 @@ const STYLE: &str = include_str!("page/style.css");
 /// Heading of the part of a page with the remarks and checks that show how reliable the results are.
 pub(super) const TRUST: &str = "How far to trust this";
 
-/// Heading of the part with the data needed to reproduce the results.
+/// Heading of the part of a page with the data needed to reproduce the results.
 const AGAIN: &str = "To get the same again";
 
 /// Part of a page that is hidden below its heading until the reader opens it.

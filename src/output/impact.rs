@@ -73,7 +73,7 @@ pub struct ObliqueCurve {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Oblique impacts of the two bodies of an impact study.
+/// Results for oblique impacts of the two bodies of an impact study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObliqueStudy {
     /// Curves of the reduced slip, one for each variant (experiment of a case).
@@ -92,7 +92,7 @@ pub struct ObliqueStudy {
 }
 
 impl ObliqueStudy {
-    /// Reference points and curves that no engine of this program computed, with their labels.
+    /// Reference points and curves that are not results of this program, with their labels.
     pub fn references(&self) -> [(&'static str, &[(f64, f64)]); 2] {
         [
             ("measured (Kharaz et al. 2001)", &self.measured),

@@ -42,14 +42,14 @@ pub struct Map {
 /// Kind of picture of a map.
 #[derive(Clone, Debug)]
 pub enum Picture {
-    /// Coloured cells, one per point of the map. The colour shows the class of the result, such as failed.
+    /// Coloured cells, one per point of the map. The colour shows the class of the result, such as "failed".
     Cells(RegimeMap),
     /// Points and lines in one panel with a pair of axes.
     Curves(Panel),
 }
 
 /// Map of coloured cells in a plane of two settings, with lines that theory predicts. The colour of a cell shows the
-/// class of the result with these settings, such as failed.
+/// class of the result with these settings, such as "failed".
 #[derive(Clone, Debug)]
 pub struct RegimeMap {
     /// Label of the horizontal axis.
@@ -58,7 +58,7 @@ pub struct RegimeMap {
     pub y_label: String,
     /// True if the axis is logarithmic: first for the horizontal axis, then for the vertical axis.
     pub log: [bool; 2],
-    /// Classes of results, such as failed, each with the colour of its cells.
+    /// Classes of results, such as "failed", each with the colour of its cells.
     pub classes: Vec<Class>,
     /// Cells of the map, one per point.
     pub cells: Vec<Cell>,
@@ -66,7 +66,7 @@ pub struct RegimeMap {
     pub lines: Vec<(String, Vec<(f64, f64)>)>,
 }
 
-/// Class of results of a map, such as failed. Its cells have one colour.
+/// Class of results of a map, such as "failed". All cells of a class have the same colour.
 #[derive(Clone, Debug)]
 pub struct Class {
     /// Name of the class of results in the legend.
@@ -105,7 +105,7 @@ pub struct LimitsStudy<'a> {
     pub maps: &'a [Map],
     /// [s] wall-clock time of the runs of each map. Two maps made from the same runs have the same time.
     pub wall_seconds: &'a [f64],
-    /// True if the study used coarse grids, with fewer points per map, by the option `--quick`.
+    /// True if the study used coarse grids, with fewer points per map, because of the option `--quick`.
     pub quick: bool,
 }
 

@@ -17,7 +17,8 @@ pub struct Shift {
     /// Description of the scale (the value by which the shift is divided), as the words after "% of".
     #[serde(skip)]
     pub scale_is: &'static str,
-    /// Value of the observable with the changed factor minus that without the change, in the unit of the observable.
+    /// Value of the observable with the changed factor, minus the value without the change, in the unit of the
+    /// observable.
     pub difference: f64,
     /// One standard error of the difference, in the unit of the observable. It is 0 without randomness, and `None` if
     /// unknown.

@@ -196,7 +196,7 @@ impl ChartStudy<'_> {
         format!("{}, {} = {value} {unit}", method.name, method.knob).trim_end().to_owned()
     }
 
-    /// Table of all points, with their errors in every quantity.
+    /// Table of all points of the chart, with their errors in every quantity.
     fn table(&self) -> Block {
         let both = [Model::Soft, Model::Hard];
         let fronts: Vec<_> =

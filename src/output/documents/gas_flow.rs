@@ -64,8 +64,8 @@ fn beyond_the_model(outcome: &Outcome) -> Option<String> {
     })
 }
 
-/// [-] turbulent kinetic energy in the middle of the flow with particles, divided by that without particles. `None` if
-/// one of the flows has no grid points.
+/// [-] turbulent kinetic energy in the middle of the flow with particles, divided by that of the flow without
+/// particles. `None` if one of the flows has no grid points.
 fn remaining_turbulence(gas: &GasFlow) -> Option<f64> {
     Some(gas.mean.last()?.k / gas.alone.last()?.k)
 }

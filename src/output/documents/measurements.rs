@@ -65,8 +65,8 @@ pub(super) fn blocks(outcomes: &[Outcome], pictures: impl Fn(&str) -> Vec<Block>
     blocks
 }
 
-/// Text of the difference between a measured number and its theory, in standard errors. Empty without a theory or an
-/// error.
+/// Text of the difference between a measured number and its theory, in standard errors of the number. Empty if there is
+/// no theory or no standard error.
 fn in_errors(number: &ObservedNumber) -> String {
     let exact = number.theory.map(|(_, value)| Estimate::exact(value));
     let difference = number.value.zip(exact).and_then(|(value, exact)| value.less(exact).in_errors());

@@ -19,7 +19,7 @@ pub struct PlanDocument<'a> {
     pub model_of_the_case: String,
     /// Number of threads for which computing times are predicted.
     pub threads: usize,
-    /// Predictions for the run, and measurements of a short run.
+    /// Predictions for the run, and measurements in a short run.
     pub plan: &'a RunPrediction,
     /// Recommended engine, contact law and time step.
     pub recommendation: &'a Recommendation,

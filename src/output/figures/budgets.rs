@@ -10,7 +10,7 @@ use crate::statistics::Estimate;
 /// Name of a term of the budget, and the function that selects this term from all terms.
 type Named = (&'static str, fn(&Terms<Estimate>) -> Estimate);
 
-/// Terms of a budget of a second moment, in the order of the legend.
+/// Terms of a budget (processes that change a second moment of velocity), in the order of the legend.
 const TERMS: [Named; 5] = [
     ("production", |terms| terms.production),
     ("impacts", |terms| terms.impacts),

@@ -11,7 +11,7 @@ use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 
 /// Points (y⁺, U⁺) of a direct numerical simulation of channel flow at Re_τ = 1000.512, in wall units: y⁺ = y u_τ/ν and
 /// U⁺ = U/u_τ, with the kinematic viscosity ν. The friction velocity u_τ of the simulation is 0.0500256 times its bulk
-/// velocity. From Lee and Moser 2015, J. Fluid Mech. 774, 395-415.
+/// velocity. Source: Lee and Moser 2015, J. Fluid Mech. 774, 395-415.
 pub const CHANNEL_DNS: [(f64, f64); 9] = [
     (5.0, 4.829),
     (10.0, 8.434),
@@ -29,8 +29,8 @@ const POINTS: usize = 400;
 /// Number of points of each curve in a picture of several gases.
 const GASES_POINTS: usize = 120;
 
-/// Figures of a gas profile between walls at y = 0 and y = `height` [m]. For a k-epsilon channel there is a second
-/// figure in wall units.
+/// Figures of the profile of the gas velocity between walls at y = 0 and y = `height` [m]. For a channel that is
+/// computed by a k-epsilon model, there is a second figure in wall units.
 pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
     let mut figures = vec![Figure::new(
         "velocity",
@@ -89,9 +89,9 @@ pub fn loaded(outcomes: &[Outcome]) -> Option<Figure> {
     loaded_flows(&flows.collect::<Vec<_>>())
 }
 
-/// Figure of gas flows with particles, beside the flow without particles. Each entry of `flows` has a name and the grid
-/// nodes, from the wall to the middle, of the gas without and with particles. The flow without particles is drawn once,
-/// from the first entry. `None` if `flows` is empty.
+/// Figure of gas flows with particles, together with the flow without particles. Each entry of `flows` has a name and
+/// the grid nodes, from the wall to the middle, of the gas without and with particles. The flow without particles is
+/// drawn once, from the first entry. `None` if `flows` is empty.
 pub fn loaded_flows(flows: &[(&str, [&[GridNode]; 2])]) -> Option<Figure> {
     let (_, [first, _]) = flows.first()?;
     let prefix = Prefix::of(first.last()?.y);

@@ -26,7 +26,7 @@ const THEORY: &str = "Maxwellian gas";
 /// have such overlaps.
 pub(in crate::output) const ROUNDING: f64 = 1e-9;
 
-/// Kind of curve by which a distribution is drawn.
+/// Kind of curve by which the distribution of a quantity is drawn.
 #[derive(Clone, Copy, PartialEq)]
 enum Shape {
     Density,
@@ -88,8 +88,8 @@ pub fn overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Picture of the overlap, divided by the diameter, when an impact is first detected, between particles and at walls.
-/// It shows the probability density and the cumulative distribution.
+/// Picture of the overlap, divided by the diameter, at which an impact is first detected, between particles and at
+/// walls. The panels show the probability density and the cumulative distribution.
 pub fn first_overlap(outcomes: &[Outcome]) -> String {
     let density = ImpactQuantity {
         x_label: "δ first / d  [%]",
@@ -127,7 +127,7 @@ pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
         let points = || series.iter().flat_map(|series| &series.points);
         let low = points().fold(f64::INFINITY, |low, point| low.min(point.x));
         let (high, top) = points().fold((0.0, 2.0), |(x, y): (f64, f64), point| (x.max(point.x), y.max(point.y)));
-        // the axis extends by a factor of 1.5 on both sides, so that no point is on the frame
+        // the axis extends beyond the points by a factor of 1.5 on both sides, so that no point is on the frame
         let ranges = (Some((low / 1.5, 1.5 * high)), Some((0.0, top)));
         let panel = Panel {
             title: title.into(),

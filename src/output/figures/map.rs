@@ -17,8 +17,8 @@ const MOST_CELLS: usize = 64;
 const MARGIN: f64 = 70.0;
 const SIDES: f64 = 190.0;
 
-/// SVG picture of the first field of a grid, and the meaning of its colours with their unit. `None` unless exactly two
-/// edges of the grid have more than one cell, and the first field is a length.
+/// SVG picture of the first field of a grid, and a text with the meaning and the unit of its colours. `None` unless
+/// exactly two edges of the grid have more than one cell, and the first field is a length.
 pub(super) fn map(grid: &ObservedGrid) -> Option<(String, String)> {
     let level: Vec<usize> = (0..3).filter(|axis| grid.cells[*axis] > 1).collect();
     let [across, along] = level[..] else { return None };

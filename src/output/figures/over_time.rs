@@ -165,7 +165,7 @@ fn velocity(group: &PanelGroup, time: &TimeAxis, axis: usize) -> Vec<PanelSeries
     if largest(&lines) > ROUNDING * agitation { lines } else { Vec::new() }
 }
 
-/// Panels of the averages over all particles as functions of time.
+/// Panels with averages over all particles, such as the energy, as functions of time.
 fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     let Some((_, first)) = group.members.first() else { return Vec::new() };
     let axis = axis(first);
@@ -206,8 +206,9 @@ fn series(group: &PanelGroup, time: &TimeAxis) -> Vec<Panel> {
     panels.into_iter().flatten().collect()
 }
 
-/// Index of the axis along which most of the motion occurs. It is the axis with the largest component of gravity or,
-/// without gravity, that of the largest velocity in the recorded paths. If nothing moves, it is the streamwise axis.
+/// Index of the axis along which most of the motion occurs. With gravity, it is the axis along which gravity has its
+/// largest component. Without gravity, it is the axis of the largest velocity in the recorded paths. If nothing moves,
+/// it is the streamwise axis z.
 fn axis(outcome: &Outcome) -> usize {
     let gravity = outcome.experiment.scene.gravity_alone();
     let speeds =

@@ -112,7 +112,7 @@ pub struct Trajectory<'scope> {
     folder: &'scope Folder,
     name: String,
     asked: Trajectories,
-    /// Law by which the forces of contacts are computed; `None` if the trajectory contains no contacts.
+    /// Contact law by which the forces of contacts are computed; `None` if the trajectory contains no contacts.
     contacts: Option<ContactLaw>,
     /// Channel to the thread that writes the files; `None` after the trajectory is finished.
     frames: Option<SyncSender<WriterMessage>>,
@@ -135,7 +135,8 @@ pub struct Trajectory<'scope> {
 }
 
 impl<'scope> Trajectory<'scope> {
-    /// Creates a trajectory in `trajectory/NAME` of a folder of results. The writing thread belongs to `scope`.
+    /// Creates a trajectory, whose files are written into `trajectory/NAME` of a folder of results by a thread of
+    /// `scope`.
     pub fn new<'env>(
         scope: &'scope Scope<'scope, 'env>,
         folder: &'env Folder,
