@@ -1,13 +1,13 @@
 //! Access control of the lab: a request must come from this machine and contain the token.
 //!
-//! Two kinds of requests from pages of other sites are refused. In the first kind, a site gives this machine a host
-//! name of the site (DNS rebinding); the browser then sends this name as `Host`. In the second kind, a page of another
-//! site opens a WebSocket to the lab; the browser then sends the address of this page as `Origin`.
+//! Two kinds of requests from pages of other sites are refused. In the first kind, a site lets one of its host names
+//! point to this machine (DNS rebinding); the browser then sends this name as `Host`. In the second kind, a page of
+//! another site opens a WebSocket to the lab; the browser then sends the address of this page as `Origin`.
 
 /// Number of random bytes in the token. The text of the token has two hexadecimal digits for each byte.
 const BYTES: usize = 16;
 
-/// Random secret in the address of the lab. Requests must contain it. It is too long to be guessed.
+/// Random secret in the address of the lab. Every request must contain the token, which is too long to be guessed.
 #[derive(Clone, Debug)]
 pub struct Token(String);
 
@@ -28,7 +28,7 @@ impl Token {
     }
 
     /// True if `other`, a part of an address, equals the token. The duration of the comparison does not depend on the
-    /// position of the first difference, so that it reveals nothing about the token.
+    /// position of the first difference, so that the duration reveals nothing about the token.
     pub fn is(&self, other: &str) -> bool {
         let differing = self.0.bytes().zip(other.bytes()).fold(0, |differing, (a, b)| differing | (a ^ b));
         self.0.len() == other.len() && differing == 0
@@ -43,8 +43,9 @@ pub fn is_host(host: Option<&str>, port: u16) -> bool {
     host.is_some_and(|host| NAMES.iter().any(|name| host.eq_ignore_ascii_case(&format!("{name}:{port}"))))
 }
 
-/// True if the `Origin` header of a request names a page of the lab at the port `port`. Programs other than browsers
-/// send no such header, so a missing header is accepted unless `required` is true.
+/// True if the `Origin` header of a request names a page of the lab at the port `port`. Browsers send no such header
+/// with some requests, and other programs need not send one. A missing header is therefore accepted unless `required`
+/// is true.
 pub fn is_origin(origin: Option<&str>, port: u16, required: bool) -> bool {
     match origin {
         None => !required,

@@ -1,4 +1,4 @@
-//! Lock with which only one engine computes at a time, for any number of open pages. Other processor cores remain free
+//! Lock that lets only one engine compute at a time, for any number of open pages. Other processor cores remain free
 //! for the server and the browser.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -1,10 +1,10 @@
 //! `diptych lab --export`: one file with a scene of the lab and recorded runs, which needs neither the program nor a
 //! network.
 //!
-//! A run is recorded for the case as it is. The page has two panels, which show simulations side by side. There is a
-//! further run for each other setup of the right panel (collision model and changes to the case), and for each of
-//! several values of each parameter. The page of the lab plays these runs by the script `recorded.js`, which takes the
-//! place of the connection to the program.
+//! The page has two panels, which show simulations side by side. One run is recorded for the unchanged case. A further
+//! run is recorded for each other setup of the right panel (collision model and changes to the case). Each parameter is
+//! also recorded with several values. The page of the lab plays these runs with the script `recorded.js`, which takes
+//! the place of the connection to the program.
 
 use super::frame::{DrawnParticle, Now, PanelComparison};
 use super::page::{ASSETS, RECORDED};
@@ -36,15 +36,15 @@ const VERDICTS: usize = 12;
 /// has up to 2400 points.
 const ROWS: usize = 20;
 
-/// Wall time that a panel may compute from one frame (recorded instant) to the next. It is so long that no scene
+/// Wall time that a panel may take from one frame (recorded instant) to the next. This limit is so long that no scene
 /// reaches it.
 const LONGEST: Duration = Duration::from_secs(86_400);
 
-/// Digits of the measured numbers in a file. A picture has several hundred pixels, but a curve, such as the height of a
-/// heap, may change by a small part of its values.
+/// Number of significant digits of the measured numbers in a file. A picture needs only three, but a curve may change
+/// by a small fraction of its values, such as the height of a heap.
 const DIGITS: usize = 8;
 
-/// Largest unsigned 16-bit number [-]. Recorded fractions from 0 to 1 are multiplied by it.
+/// Largest unsigned 16-bit number [-]. Recorded fractions from 0 to 1 are multiplied by this number.
 const FULL: f32 = u16::MAX as f32;
 
 /// Number of columns of a particle that change during a run: x, y, z [m], speed [m/s] and overlap [m].
@@ -78,10 +78,11 @@ struct RecordedFrame {
     judged: Option<PanelComparison>,
 }
 
-/// Page with recorded runs of a scene, as one file. `tell` gets a line on the progress before each run.
+/// Page with recorded runs of a scene, as the text of one file. `tell` is called with a line about the progress before
+/// each run.
 ///
 /// # Errors
-/// A run of the scene cannot start; the text is the reason.
+/// Returns the reason as text if a run of the scene cannot start.
 pub fn page(scene: &'static LabScene, mut tell: impl FnMut(String)) -> Result<String, String> {
     let choices = choices(scene)?;
     let mut recordings = Vec::new();
@@ -98,10 +99,10 @@ pub fn page(scene: &'static LabScene, mut tell: impl FnMut(String)) -> Result<St
     Ok(html(&data.to_string()))
 }
 
-/// Scene with the given name.
+/// Scene of the lab with the given name.
 ///
 /// # Errors
-/// There is no such scene. The text has the names of all scenes.
+/// Returns an error text, with the names of all scenes, if there is no such scene.
 pub fn scene_named(name: &str) -> Result<&'static LabScene, String> {
     super::scenes::scene(name).ok_or_else(|| {
         let names: Vec<&str> = super::scenes::SCENES.iter().map(|scene| scene.name).collect();
@@ -110,7 +111,7 @@ pub fn scene_named(name: &str) -> Result<&'static LabScene, String> {
     })
 }
 
-/// Scene and settings of each recorded run. The run of the unchanged case is the first.
+/// Scene and settings of each recorded run. The first run is that of the unchanged case.
 fn choices(scene: &LabScene) -> Result<Vec<SceneChoice>, String> {
     let choice = |right, settings| SceneChoice { scene: scene.name.to_owned(), settings, right, serial: 0 };
     let mut choices: Vec<SceneChoice> = (0..scene.rights.len()).map(|right| choice(right, Settings::new())).collect();
@@ -185,7 +186,8 @@ fn scale(values: impl Iterator<Item = f32>) -> [f32; 2] {
     if least <= most { [least, most - least] } else { [0.0, 0.0] }
 }
 
-/// State of a panel with at most [`ROWS`] rows of measured quantities, whose numbers are rounded to [`DIGITS`] digits.
+/// State of a panel in a shorter form: with at most [`ROWS`] rows of measured quantities, and with numbers rounded to
+/// [`DIGITS`] digits.
 fn short(mut now: Now) -> Now {
     let (mut place, every) = (now.rows.len(), now.rows.len().div_ceil(ROWS).max(1));
     // the last row is always kept
@@ -202,7 +204,8 @@ fn short(mut now: Now) -> Now {
 /// Page of the lab with all its files in one text. `data` is the JSON of the recorded runs.
 fn html(data: &str) -> String {
     let text = |path: &str| ASSETS.iter().find(|asset| asset.path == path).map_or("", |asset| asset.text);
-    // a module in a `data:` address cannot import others by a relative path, so the import map gives their addresses
+    // a script in a `data:` address cannot import other scripts by a relative path, so the import map gives their
+    // addresses
     let renamed = |text: &str| text.replace("from \"./", "from \"lab/");
     let mut imports = serde_json::Map::new();
     for asset in
@@ -214,7 +217,7 @@ fn html(data: &str) -> String {
     }
     // `</` would end the element, and within a string of JSON `<\/` means the same
     let data = data.replace("</", "<\\/");
-    // scripts and styles stand in this one file, and the browser may load nothing from elsewhere
+    // scripts and styles are in this one file, and the browser may load nothing from elsewhere
     let policy = "default-src 'none'; script-src 'unsafe-inline' data:; style-src 'unsafe-inline'; img-src data:";
     let head = format!(
         "<meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n<style>{}{}</style>\n<script>{}</script>\n\

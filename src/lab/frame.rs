@@ -20,8 +20,8 @@ pub struct Now {
     pub state: &'static str,
     /// Reason why the run failed, as one word and as a sentence; `None` if it did not fail.
     pub failure: Option<(&'static str, String)>,
-    /// Rows of quantities measured since the previous frame (data of one instant sent to the page). A live view sends
-    /// all its rows. A row has one value for each column of the graphs, in the unit of this column.
+    /// Rows of quantities measured since the previous frame (data of one instant sent to the page), or in a live view
+    /// since the start. A row has one value for each column of the graphs, in the unit of this column.
     pub rows: Vec<Vec<f64>>,
     /// Numbers of the run that the page shows next to the panel.
     pub live: Live,
@@ -44,21 +44,22 @@ pub struct Live {
     /// [J] residual of the energy balance: change of the energy since the start, minus the work, plus the recorded
     /// losses.
     pub residual: f64,
-    /// [J] energy that all particles together gain in a fall by one diameter each; 0 without gravity.
+    /// [J] energy that all particles together would gain if each fell by its diameter; 0 without gravity.
     pub fall: f64,
     /// Number of finished impacts between particles.
     pub pairs: u64,
     /// Number of finished impacts of particles on walls.
     pub walls: u64,
-    /// [-] realised restitution as root mean square over all impacts, of pairs and at walls; `None` without an impact.
+    /// [-] realised restitution, as root mean square over all impacts between particles and at walls; `None` without an
+    /// impact.
     pub restitution: Option<f64>,
     /// [-] largest overlap in the finished impacts, divided by the diameter of the smaller sphere; `None` without an
     /// impact.
     pub overlap: Option<f64>,
     /// [s] mean duration of the impacts of pairs and at walls; `None` without an impact.
     pub duration: Option<f64>,
-    /// [s/s] wall time that the engine needs, divided by the simulated time; `None` at the start, and in scenes of a
-    /// few impacts, whose wall times are noise.
+    /// [s/s] wall time that the engine needed, divided by the simulated time. `None` at the start, and in scenes of a
+    /// few impacts, whose wall times are too short to be measured reliably.
     pub cost: Option<f64>,
     /// Number of time steps of the engine since the start.
     pub steps: u64,
@@ -66,7 +67,7 @@ pub struct Live {
     pub events: u64,
     /// Number of checks of the distance of two particles since the start.
     pub checks: u64,
-    /// Number of collisions since the start that hard spheres in time steps missed.
+    /// Number of collisions that were missed since the start, because hard spheres moved in time steps.
     pub missed: u64,
 }
 
@@ -105,8 +106,8 @@ impl Live {
 }
 
 /// Particles of a simulation as a page draws them, in the order of ids. If there are more than `most` particles, only
-/// every n-th is drawn, with the smallest n that leaves at most `most`. Along periodic axes, positions are replaced by
-/// those of the image within the box.
+/// every n-th is drawn, with the smallest n that leaves at most `most`. Along periodic axes, positions outside the box
+/// are replaced by those of the image within the box.
 pub fn drawn(simulation: &Simulation, most: usize) -> Vec<DrawnParticle> {
     let (particles, domain) = (&simulation.particles, &simulation.scene().domain);
     let overlaps = simulation.overlaps();
@@ -120,7 +121,7 @@ pub fn drawn(simulation: &Simulation, most: usize) -> Vec<DrawnParticle> {
     places.into_iter().step_by(particles.len().div_ceil(most).max(1)).map(each).collect()
 }
 
-/// Result of the comparison of the two panels, in scenes whose statistics are tested.
+/// Result of the comparison of the two panels. Only scenes whose averages are tested statistically have one.
 #[derive(Clone, Debug, Serialize)]
 pub struct PanelComparison {
     /// Answer of the comparison of the two panels: equivalent, different or unresolved.
@@ -129,9 +130,9 @@ pub struct PanelComparison {
     pub sentence: String,
     /// [s] simulated time at which averaging begins.
     pub from: f64,
-    /// Profiles of the left and the right panel over the height. Each slice of the box across y has its height y [mm],
-    /// the streamwise velocity and its standard error [m/s], and the granular temperature and its standard error
-    /// [m²/s²]. Unknown values are `None`.
+    /// Profiles of the left and the right panel over the height. Each slice (layer of the box normal to y) has five
+    /// numbers: its height y [mm], the streamwise velocity and its standard error [m/s], and the granular temperature
+    /// and its standard error [m²/s²]. Unknown values are `None`.
     pub profiles: [Vec<[Option<f64>; 5]>; 2],
 }
 
@@ -150,8 +151,8 @@ pub struct Head<'a> {
     pub judged: Option<PanelComparison>,
 }
 
-/// Bytes of a frame (data of one instant, from which the page draws), made from its JSON part and from the particles of
-/// its panels.
+/// Makes the bytes of a frame (data of one instant, from which the page draws) from its JSON part `head` and from the
+/// particles of its panels.
 pub fn bytes(head: &impl Serialize, particles: &[Vec<DrawnParticle>]) -> Vec<u8> {
     let mut json = serde_json::to_vec(head).unwrap_or_default();
     json.resize(json.len().next_multiple_of(4), b' ');

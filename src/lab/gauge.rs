@@ -12,7 +12,7 @@ use crate::scene::Scene;
 use crate::simulation::Simulation;
 use serde::Serialize;
 
-/// Number of intervals from which a theoretical curve is drawn.
+/// Number of intervals of time from which a theoretical curve is drawn.
 const POINTS: usize = 200;
 
 /// Set of quantities that a scene of the lab measures and draws.
@@ -24,7 +24,7 @@ pub enum Gauge {
     Speeds,
     /// Height of one sphere above the floor, and the number of its impacts on the floor.
     Bounces,
-    /// Granular temperature of a gas divided by its initial value, and mean number of collisions of a sphere since the
+    /// Granular temperature of a gas, divided by its initial value, and mean number of collisions of a sphere since the
     /// start.
     Gas,
     /// Energy of a gas divided by its initial energy; it should be constant.
@@ -36,12 +36,13 @@ pub enum Gauge {
     Channel,
     /// Largest overlap, number of impacts, and kinetic energy of a column of spheres on a floor.
     Column,
-    /// Velocity of one ball along the wall below it, its spin, and its slip at this wall.
+    /// Velocity of one ball along the wall below it, radius times spin of the ball, and slip (velocity of its lowest
+    /// point along the wall).
     Spin,
-    /// Height of the first ball of a heap above the floor, and spin of the second ball.
+    /// Height of the first ball of a heap above the floor, and radius times spin of the second ball.
     Heap,
-    /// Mean number of collisions of a sphere in a gas since the start, and share of all collisions that time steps
-    /// miss.
+    /// Mean number of collisions of a sphere in a gas since the start, and share of the collisions that are missed
+    /// because they begin and end within a time step.
     Missed,
 }
 
@@ -51,11 +52,11 @@ pub enum Gauge {
 pub struct Graph {
     /// Title of the graph.
     pub title: &'static str,
-    /// Index of the quantity on the horizontal axis, and the label of this axis.
+    /// Index (column) of the quantity on the horizontal axis, and the label of this axis.
     pub x: (usize, &'static str),
     /// Label of the vertical axis.
     pub y: &'static str,
-    /// Indices of the quantities on the vertical axis.
+    /// Indices (columns) of the quantities on the vertical axis.
     pub columns: Vec<usize>,
     /// True if the vertical axis is logarithmic.
     pub logarithmic: bool,
@@ -78,8 +79,9 @@ impl Graph {
     }
 }
 
-/// Points of a theoretical curve over time, from 0 to the duration of the experiment. The function `at` gives the
-/// ordinate at a time [s]; times without an ordinate are left out. The abscissas are times divided by `unit` [s].
+/// Points of a theoretical curve over time, from 0 to the duration of the experiment. The function `at` returns the
+/// value of the curve at a time [s]; times at which it returns `None` are left out. On the horizontal axis are the
+/// times divided by `unit` [s].
 fn curve(experiment: &Experiment, unit: f64, at: impl Fn(f64) -> Option<f64>) -> Vec<[f64; 2]> {
     let times = (0..=POINTS).map(|k| experiment.run.duration * k as f64 / POINTS as f64);
     times.filter_map(|time| Some([time / unit, at(time)?])).collect()
@@ -160,19 +162,20 @@ impl Gauge {
         }
     }
 
-    /// True if the impacts in the scene are between two bodies alone, so that each impact has a restitution that can be
-    /// measured. If a sphere presses on several others at once, no impact has a restitution of its own.
+    /// True if each impact in the scene is between two bodies alone, so that its restitution can be measured. If a
+    /// sphere presses on several others at once, the restitution of a single impact is not defined.
     pub fn has_lone_impacts(self) -> bool {
         !matches!(self, Self::Speeds | Self::Column | Self::Heap)
     }
 
-    /// True if a run is long enough to compare the costs of the models. The wall time of a single impact is noise.
+    /// True if a run is long enough to compare the costs of the models. The wall time of a single impact is too short
+    /// to be measured reliably.
     pub fn tells_cost(self) -> bool {
         !matches!(self, Self::Impact | Self::Speeds | Self::Spin)
     }
 
-    /// Quantities of this set at one instant: a row with one value for each column of the graphs, in the unit of the
-    /// column. In the sets `Gas`, `Energy` and `Explosion`, temperature or energy is divided by `at_start`, the
+    /// Quantities of this set at one instant: a row with one value for each column that the graphs show, in the unit of
+    /// the column. In the sets `Gas`, `Energy` and `Explosion`, temperature or energy is divided by `at_start`, the
     /// granular temperature [m²/s²] or energy [J] at the start.
     fn row(self, simulation: &Simulation, at_start: f64) -> Vec<f64> {
         let (particles, time) = (&simulation.particles, simulation.time);
@@ -219,8 +222,8 @@ impl Gauge {
         }
     }
 
-    /// Value at the start by which a measured temperature or energy is divided: the granular temperature [m²/s²] in a
-    /// scene of a cooling gas, else the energy [J].
+    /// Initial value by which measured temperatures or energies are divided: the granular temperature [m²/s²] for the
+    /// set `Gas`, else the energy [J].
     fn scale(self, simulation: &Simulation) -> f64 {
         match self {
             Self::Gas => temperature(&simulation.particles),
@@ -229,9 +232,10 @@ impl Gauge {
     }
 }
 
-/// Interval of time [µs] from one contact time before the first two spheres of a row touch to about the end of all
-/// contacts. The end is the touch plus one contact time for each sphere of the row. The second sphere is assumed to
-/// rest. `None` without a contact law, or if the first sphere does not fly towards the second.
+/// Interval of time [µs] around the first touch of the first two spheres of a row. It begins one contact time before
+/// this touch. It ends one contact time per sphere of the row after the touch, about the end of all contacts. The
+/// second sphere is assumed to rest. `None` without a contact law, or if the first sphere does not fly towards the
+/// second.
 fn blow(experiment: &Experiment, start: &Particles) -> Option<[f64; 2]> {
     let contact_time = ContactTimes::of(experiment, &experiment.law()?, start.len()).governing()?;
     let [gap, closing] =
@@ -241,9 +245,10 @@ fn blow(experiment: &Experiment, start: &Particles) -> Option<[f64; 2]> {
     (closing > 0.0).then(|| ends.map(|time| 1e6 * time))
 }
 
-/// Theoretical overlap of the lowest of n spheres that rest on one another, at the start and at the end of the run. A
-/// point has a time [ms] and the overlap in per cent of the diameter. For a linear spring the overlap is n m g/k, with
-/// the mass m of a sphere and the stiffness k. `None` without a contact law or a floor.
+/// Theoretical overlap of the floor and the lowest of n spheres that rest on one another, as a curve of two points: at
+/// the start and at the end of the run. A point has a time [ms] and the overlap in per cent of the diameter. For a
+/// linear spring the overlap is n m g/k, with the mass m of a sphere and the stiffness k. `None` without a contact law
+/// or a floor.
 fn statics(experiment: &Experiment, start: &Particles) -> Option<Vec<[f64; 2]>> {
     let law = experiment.law()?;
     let wall = experiment.scene.walls.first().map(|_| 0)?;
@@ -253,7 +258,7 @@ fn statics(experiment: &Experiment, start: &Particles) -> Option<Vec<[f64; 2]>> 
     Some(vec![[0.0, share], [1e3 * experiment.run.duration, share]])
 }
 
-/// [m²/s²] granular temperature: a third of the mean square of the velocities relative to their mean.
+/// [m²/s²] granular temperature: a third of the mean square of the velocities relative to the mean velocity.
 fn temperature(particles: &Particles) -> f64 {
     let count = particles.len().max(1) as f64;
     let mean = particles.velocity.iter().sum::<nalgebra::Vector3<f64>>() / count;

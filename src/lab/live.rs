@@ -1,7 +1,7 @@
-//! Live view of one run: frames for the pages of a server, made while the run goes on.
+//! Live view of one run: a server sends frames (data of one instant each) to its pages while the run goes on.
 //!
-//! The view only reads the simulation, at ends of windows (times between two exchanges with the gas). So a run with a
-//! view has the same results, bit for bit, as a run without one.
+//! The view only reads the simulation, at ends of windows (times between two exchanges with the gas). A run with a view
+//! therefore has the same results, bit for bit, as a run without a view.
 
 use super::frame::{Live, Now, bytes, drawn};
 use super::gauge::Graph;
@@ -22,15 +22,15 @@ use std::time::Duration;
 /// Wall time from one frame (picture of one instant) to the next while a page is open.
 pub const FRAME: Duration = Duration::from_millis(33);
 
-/// Wall time from one frame (picture of one instant) to the next while no page is open: a page that opens shows a
-/// recent state.
+/// Wall time from one frame (picture of one instant) to the next while no page is open, so that a page that opens shows
+/// a recent state.
 const UNSEEN: Duration = Duration::from_millis(500);
 
-/// Wall time from one test for a steady state to the next.
+/// Wall time from one test whether the run is steady to the next test.
 const VERDICT: Duration = Duration::from_millis(1500);
 
-/// Largest number of particles in a frame (picture of one instant). A browser draws this number about ten times in a
-/// second.
+/// Largest number of particles in a frame (picture of one instant). A browser draws so many particles about ten times
+/// per second.
 const MOST_DRAWN: usize = 20_000;
 
 /// Largest number of points of a curve, which is more than a picture of 440 pixels shows.
@@ -40,7 +40,7 @@ const MOST_ROWS: usize = 500;
 /// samples.
 const ROUNDING: f64 = 1e-6;
 
-/// Frames of a run (data of one instant each, from which a page draws), for the pages of a server.
+/// Latest frame of a run (data of one instant, from which a page draws), for all pages of a server.
 pub struct LiveFeed {
     /// Description of the scene for a page, as JSON.
     pub opened: String,
@@ -74,8 +74,8 @@ struct LiveHead<'a> {
 pub struct LiveView {
     feed: Arc<LiveFeed>,
     clock: Clock,
-    /// Measurements for the test for a steady state; `None` if the view is not called at the samples (instants of
-    /// measurement) of the run.
+    /// Measurements with which the run is tested for a steady state. `None` if the view is not called at the samples
+    /// (instants of measurement) of the run.
     motion: Option<Motion>,
     average_from: AverageFrom,
     /// [s] time between two samples (instants of measurement).
@@ -85,11 +85,13 @@ pub struct LiveView {
     at_start: Option<f64>,
     /// Points of the curves so far: time in `unit`, mean velocity along z [m/s], granular temperature [m²/s²], impacts.
     rows: Vec<Vec<f64>>,
-    /// Only every n-th point is kept; this is n, and the number of points since the latest kept one.
+    /// Two numbers, n and m: only every n-th point of the curves is kept, and m points have come since the latest kept
+    /// point.
     thinning: (usize, usize),
     /// Wall time and simulated time [s] of the latest frame (data sent to the page).
     shown: (Duration, f64),
-    /// [s] simulated time until the next frame (data sent to the page) is due, estimated from the two latest frames.
+    /// [s] simulated time from the latest frame (data sent to the page) to the next, estimated from the speed of the
+    /// run between the two latest frames.
     stretch: f64,
     judged: Duration,
     sentence: String,
@@ -150,8 +152,8 @@ impl LiveView {
         Arc::clone(&self.feed)
     }
 
-    /// Makes a frame (data of the present instant for the page) if the latest one is older than `FRAME` or, while no
-    /// page is open, than `UNSEEN`. The state of the run is not changed.
+    /// Makes a frame (data of the present instant for the page) if the latest frame is older than `FRAME`. While no
+    /// page is open, it must be older than `UNSEEN`. The state of the run is not changed.
     pub fn offer(&mut self, simulation: &Simulation) {
         let pause = if self.feed.pages.load(Ordering::Relaxed) > 0 { FRAME } else { UNSEEN };
         if self.clock.now() >= self.shown.0 + pause || self.at_start.is_none() {
@@ -159,8 +161,8 @@ impl LiveView {
         }
     }
 
-    /// Makes a frame (data of the present instant for the page), and adds a point to the curves. `state` is that of the
-    /// run: `running` or `over`.
+    /// Makes a frame (data of the present instant for the page), and adds a point to the curves. `state` is the state
+    /// of the run: `running` or `over`.
     pub fn show(&mut self, simulation: &Simulation, state: &'static str) {
         let (now, time) = (self.clock.now(), simulation.time);
         let at_start = *self.at_start.get_or_insert_with(|| simulation.energy());
@@ -209,8 +211,8 @@ impl Observer for LiveView {
     }
 
     fn needs_velocities(&self) -> bool {
-        // between samples the velocities lack half a kick (change of velocity by drag), too little to be seen in a
-        // picture
+        // between samples (instants of measurement) half a kick (change of velocity by drag) is still missing in the
+        // velocities, but this is too little to be seen in a picture
         false
     }
 
@@ -227,8 +229,8 @@ impl Observer for LiveView {
     }
 }
 
-/// Sentence on the steady state of a run so far, and on the granular temperature since averaging began. Empty if the
-/// temperature is not known.
+/// Sentence that states whether the run is steady so far, with the granular temperature since averaging began. Empty if
+/// this temperature is not known.
 fn sentence(motion: &Motion, average_from: AverageFrom) -> String {
     let steadiness = motion.steadiness(average_from, Vec::new());
     let since = significant(steadiness.from, 3);

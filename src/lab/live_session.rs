@@ -11,8 +11,8 @@ use tokio::sync::watch;
 /// Largest number of frames that have been sent to the page, but that the page has not drawn.
 const UNDRAWN: u32 = 2;
 
-/// Sends frames until the page is closed or the server stops. A page that is still open when the run ends gets the
-/// final frame.
+/// Sends frames (data of one instant each) until the page is closed or the server stops. A page that is still open when
+/// the run ends gets the final frame.
 pub async fn serve_live(mut socket: WebSocket, feed: &LiveFeed, mut stop: watch::Receiver<bool>) {
     if socket.send(Message::Text(feed.opened.clone().into())).await.is_err() {
         return;

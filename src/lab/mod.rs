@@ -6,9 +6,10 @@
 //!          <--frames------------------------- <--tells--
 //! ```
 //!
-//! A scene is a case of `cases/` with changes in the form of `--set` arguments. A panel shows one simulation. Asks are
-//! requests of the page, tells are messages to it, and frames are pictures of one instant. If the page has not drawn
-//! the two latest frames, no new frame is computed, so a slow page gets fewer frames.
+//! A scene is a case of the folder `cases/` with changes in the form of `--set` arguments. A panel shows one
+//! simulation. Asks are requests of the page, tells are messages to the page, and frames are the data of one instant,
+//! from which the page draws a picture. No new frame is computed while the page has not drawn the two latest frames, so
+//! a slow page gets fewer frames.
 //!
 //! The lab reads and writes no files, unless `--export` requests a file. The address of the lab contains a secret
 //! token. A request that names another host than this machine is refused ([`access`]).
@@ -48,8 +49,8 @@ const LOOK: Duration = Duration::from_millis(100);
 /// file instead.
 ///
 /// # Errors
-/// Returns an error for bad input if the port is taken, or if the system refuses to set a handler for signals. It
-/// returns a failure if standard output cannot be written.
+/// Returns an error for bad input if the port is taken, or if the system refuses to set a handler for signals. Returns
+/// a failure if standard output cannot be written.
 pub fn lab(args: &cli::Lab) -> Result<(), StudyError> {
     let bad = |why: &dyn std::fmt::Display| StudyError::Input(format!("error: {why}"));
     if let Some(file) = &args.export {
@@ -66,7 +67,7 @@ pub fn lab(args: &cli::Lab) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// Writes a page with recorded runs of a scene to a new file. An existing file is an error.
+/// Writes a page with recorded runs of a scene to a new file. If the file exists, an error is returned.
 fn write_page(scene: &str, file: &Path) -> Result<(), StudyError> {
     let scene = export::scene_named(scene).map_err(StudyError::Input)?;
     if file.exists() {
@@ -83,7 +84,8 @@ fn write_page(scene: &str, file: &Path) -> Result<(), StudyError> {
     ))
 }
 
-/// Runs `diptych run --live`: a run that a page of this machine shows while it goes on. The server ends with the run.
+/// Runs `diptych run --live`: a run that a web page on this machine shows while the run goes on. The server of the page
+/// ends with the run.
 ///
 /// # Errors
 /// Errors of `diptych run`, and an error for bad input if the server cannot start.

@@ -30,10 +30,11 @@ pub const ASSETS: &[Asset] = &[
     Asset { path: "words.js", kind: SCRIPT, text: include_str!("page/words.js") },
 ];
 
-/// Script that takes the place of `link.js` in a file with recorded runs.
+/// Script that takes the place of `link.js`, the connection to the program, in a file with recorded runs.
 pub const RECORDED: &str = include_str!("page/recorded.js");
 
-/// Page of the live view of a run, which has the path of the lab's page. Its other files are among [`ASSETS`].
+/// Page of the live view of a run. It has the same path as the page of the lab, and its other files are among
+/// [`ASSETS`].
 pub const LIVE: Asset = Asset { path: "", kind: ASSETS[0].kind, text: include_str!("page/live.html") };
 
 /// Content security policy (rules that a browser follows for the page), which the server sends: the page may load only

@@ -1,5 +1,5 @@
-//! Panel of the lab: a simulation that advances window by window (times between two exchanges of momentum with the
-//! gas), and its state for the page.
+//! Panel of the lab: a simulation that advances window by window, and the data about its state for the page. A window
+//! is the time between two exchanges of momentum with the gas.
 
 use super::frame::{DrawnParticle, Live, Now, drawn, words};
 use super::gauge::{Gauge, Meter};
@@ -18,9 +18,9 @@ use std::time::Duration;
 /// measured, only every n-th row is sent.
 const MOST_ROWS: usize = 100;
 
-/// Smallest number of windows per frame (picture on the page) at the default pace (simulated time over wall time) of a
-/// scene. Windows are pieces of the run, after each of which the panel can show its state. With two windows, the motion
-/// is smooth at a slower pace as well.
+/// Smallest number of windows per frame (picture on the page) at the default pace (simulated time divided by wall time)
+/// of a scene. Windows are pieces of the run, after each of which the panel can show its state. With two windows, the
+/// motion is also smooth at half of this pace.
 const WINDOWS_PER_FRAME: f64 = 2.0;
 
 /// Running simulation of one panel, with the observers that measure it.
@@ -28,7 +28,8 @@ pub struct LabPanel<'a> {
     simulation: Simulation,
     course: RunLoop,
     meter: Meter<'a>,
-    /// Observers for the comparison of both panels; `None` in scenes whose statistics are not tested.
+    /// Observers that measure averages for the comparison of both panels; `None` in scenes whose panels are not
+    /// compared.
     seen: Option<StandardObservers<'a>>,
     at_start: f64,
     over: bool,
@@ -36,9 +37,9 @@ pub struct LabPanel<'a> {
 }
 
 /// Schedule of the run: the length of its windows (pieces of the run after which the panel can show its state). `frame`
-/// [s] is the simulated time between two pictures on the page. With drag, or with hard spheres in time steps, the
-/// windows are those of the case. Otherwise a window lasts at most half of `frame`, or a single time step if the step
-/// is longer. In soft and hybrid runs the length of a window is about a whole multiple of the time step.
+/// [s] is the simulated time between two pictures on the page. With drag, or with hard spheres that move in time steps,
+/// the windows are those of the case. Otherwise a window lasts at most half of `frame`, or a single time step if the
+/// step is longer than that. In soft and hybrid runs the length of a window is about a whole multiple of the time step.
 fn schedule(experiment: &Experiment, particles: usize, frame: f64) -> Schedule {
     let own = Schedule::new(experiment);
     let dragged = experiment.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some());
@@ -129,8 +130,8 @@ impl<'a> LabPanel<'a> {
         drawn(&self.simulation, usize::MAX)
     }
 
-    /// Results of the panel so far, for the comparison of both panels. `None` at the start, and in scenes whose
-    /// statistics are not tested.
+    /// Results of the panel so far, for the comparison of both panels. `None` at the start, and in scenes whose panels
+    /// are not compared.
     pub fn outcome(&self) -> Option<Outcome> {
         let seen = self.seen.clone()?;
         let hash = self.simulation.state().fingerprint();

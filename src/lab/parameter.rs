@@ -44,11 +44,11 @@ pub enum LabParameter {
     /// [-] step criterion θ of hard spheres in time steps: distance by which a typical pair of spheres approaches in
     /// one step, divided by the diameter.
     Theta,
-    /// [-] clearance of hybrid spheres, in contact times. The contact of two bodies becomes an instantaneous collision
-    /// if no third body can reach them within this time.
+    /// [-] clearance of hybrid spheres, in contact times. A contact of two bodies is computed as an instantaneous
+    /// collision if no third body can reach them within this time.
     Clearance,
-    /// Seed of the random start of the particles, and of the random numbers during the run: turbulence, heat, rough and
-    /// thermal walls.
+    /// Seed of the random numbers: for the initial state of the particles, and during the run for turbulence, heat,
+    /// rough walls and thermal walls.
     Seed,
 }
 
@@ -188,8 +188,8 @@ impl LabParameter {
         Some(ParameterValue::Number(rounded(number)))
     }
 
-    /// Arguments of the form `key=value` that give the parameter the value `setting`, for a scene with the given
-    /// `experiment`.
+    /// Arguments of the form `key=value` (for `--set`) that give the parameter the value `setting`, in a scene with the
+    /// given `experiment`.
     pub fn sets(self, setting: &ParameterValue, experiment: &Experiment) -> Vec<String> {
         let value = match setting {
             ParameterValue::Word(word) => return vec![format!("soft.integrator={word}")],
@@ -222,11 +222,11 @@ impl ParameterRange {
         }
     }
 
-    /// Checks a value that the page sent. Returns the value, with a number rounded to `DIGITS` significant digits or
-    /// to a whole number.
+    /// Checks a value that the page sent, and returns it. Numbers are rounded to `DIGITS` significant digits, or to a
+    /// whole number if the parameter is whole.
     ///
     /// # Errors
-    /// Returns the reason, as text, if the value is beyond its limits or of the wrong kind.
+    /// Returns the reason, as text, if the value is outside its limits or of the wrong kind.
     pub fn accept(&self, setting: &ParameterValue) -> Result<ParameterValue, String> {
         let (label, unit) = self.knob.label();
         match (setting, self.kind()) {
@@ -305,10 +305,10 @@ fn approach(experiment: &Experiment, speed: f64) -> Vec<String> {
     (0..placed.len()).flat_map(|k| (0..3).filter_map(move |axis| moving(k, axis))).collect()
 }
 
-/// Arguments of the form `key=value` that set the step criterion θ of hard spheres in time steps. The window (time
-/// between two exchanges with the gas) and the time between samples (instants of measurement) are set in proportion to
-/// θ. A step cannot be longer than a window, and a window not longer than the time between samples. In the scenes with
-/// this parameter, all three are equal.
+/// Arguments of the form `key=value` that set θ, the step criterion of hard spheres that move in time steps. The window
+/// (time between two exchanges with the gas) and the time between samples (instants of measurement) are set in
+/// proportion to θ. A step cannot be longer than a window, and a window not longer than the time between samples. In
+/// the scenes with this parameter, all three are equal.
 fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     let mut sets = vec![format!("hard.theta={theta}")];
     if let HardStepping::Steps { theta: before } = experiment.hard.stepping {
@@ -319,7 +319,8 @@ fn theta(experiment: &Experiment, theta: f64) -> Vec<String> {
     sets
 }
 
-/// Description of the method of soft spheres in an experiment: the integrator and the time step.
+/// Description of the method by which an experiment computes soft contacts: the integrator and the time step.
+/// `particles` is the number of particles.
 pub fn soft_method(experiment: &Experiment, particles: usize) -> String {
     let step = soft_step(experiment, particles);
     let integrator = INTEGRATORS[usize::from(experiment.soft.integrator == Integrator::Rk2)].1;

@@ -37,7 +37,7 @@ pub struct SceneChoice {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(tag = "ask", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Ask {
-    /// Opens a scene at its start, with the chosen settings.
+    /// Opens a scene in its initial state, with the chosen settings.
     Open(SceneChoice),
     /// Continues or pauses the motion.
     Play {
@@ -48,8 +48,8 @@ pub enum Ask {
     Step,
     /// Sets the speed of the animation.
     Pace {
-        /// [-] factor by which the pace is faster than the default pace of the scene. Pace is simulated time divided by
-        /// wall time.
+        /// [-] factor by which the pace of the animation is multiplied. The pace is simulated time divided by wall
+        /// time, and each scene has a default pace.
         factor: f64,
     },
     /// Reports whether the page is visible.
@@ -81,7 +81,7 @@ pub struct ShownParameter {
     pub help: &'static str,
     /// Unit of the parameter; empty for a parameter without unit.
     pub unit: &'static str,
-    /// Kind of the control, with the limits of the parameter.
+    /// Kind of the control on the page (slider or list of words), with the limits of the parameter.
     pub kind: ParameterKind,
     /// Present value of the parameter.
     pub value: ParameterValue,
@@ -89,7 +89,7 @@ pub struct ShownParameter {
     pub default: ParameterValue,
 }
 
-/// Description of a panel and of its method for the page.
+/// Description for the page of a panel and of the method by which its simulation computes collisions.
 #[derive(Clone, Debug, Serialize)]
 pub struct PanelDescription {
     /// Heading of the panel on the page.
@@ -98,13 +98,13 @@ pub struct PanelDescription {
     pub model: &'static str,
     /// Method in a few words: integrator and time step, or the way in which collisions are found.
     pub method: String,
-    /// [s] duration of the shortest contact of two particles or of a particle and a wall. `None` without a contact law.
+    /// [s] shortest duration of a contact of two particles, or of a particle and a wall. `None` without a contact law.
     pub contact_time: Option<f64>,
     /// Command line that repeats the run of the panel.
     pub command: String,
 }
 
-/// Description of an opened scene for the page.
+/// Description for the page of a scene that has been opened.
 #[derive(Clone, Debug, Serialize)]
 pub struct Opened {
     /// Serial number of the choice (scene and settings) by which the page opened the scene.
@@ -139,7 +139,7 @@ pub struct Opened {
     pub view: super::scenes::BoxView,
     /// Graphs of the quantities that the scene measures.
     pub graphs: Vec<Graph>,
-    /// [s] simulated duration of the scene, the longer one of both panels.
+    /// [s] simulated duration of the scene: the longer one of the durations of both panels.
     pub duration: f64,
     /// [s/s] simulated time divided by wall time, at the default speed of the animation.
     pub pace: f64,
@@ -164,7 +164,8 @@ pub enum Tell {
     },
     /// Reports that a scene has been opened, with its description.
     Opened(Box<Opened>),
-    /// Reports that a choice of scene and settings cannot be run. The scene that was opened before continues.
+    /// Reports that the chosen scene cannot be run with the chosen settings. The scene that was opened before
+    /// continues.
     Refused {
         /// Serial number of the refused choice of scene and settings.
         serial: u32,

@@ -1,5 +1,5 @@
-//! Scene of the lab with the settings of the user, and the resulting experiments of both panels. A panel shows one of
-//! two simulations side by side.
+//! Scene of the lab with the settings of the user, and the experiments of both panels that follow from them. The two
+//! panels show simulations side by side.
 
 use super::parameter::{LabParameter, soft_method};
 use super::protocol::{Opened, PanelDescription as Heading, SceneChoice, ShownParameter};
@@ -23,7 +23,8 @@ pub struct SceneState {
     pub choice: SceneChoice,
     /// Experiments of the left and the right panel.
     pub experiments: [Experiment; 2],
-    /// Initial states of the two panels. They are equal unless the panels differ in the number of particles.
+    /// Initial states of the left and the right panel. They are equal unless the panels differ in the number of
+    /// particles.
     pub starts: [Particles; 2],
     case: Case,
     sets: Vec<String>,
@@ -35,8 +36,8 @@ impl SceneState {
     /// Reads and checks the scene and the settings that the user has chosen on the page.
     ///
     /// # Errors
-    /// Returns the reason, as text, if there is no such scene or setting, if a number is beyond its limits, or if the
-    /// case has an error.
+    /// Returns the reason as text: the scene or a setting does not exist, a number is outside its limits, or the case
+    /// has an error.
     pub fn open(choice: &SceneChoice) -> Result<Self, String> {
         let scene = scenes::scene(&choice.scene).ok_or("there is no such scene")?;
         let right = scene.rights.get(choice.right).ok_or("the right panel cannot show this")?;
@@ -57,7 +58,7 @@ impl SceneState {
         &self.scene.rights[self.choice.right]
     }
 
-    /// Description of the scene and of both panels for the page.
+    /// Description for the page of the scene and of both panels.
     pub fn opened(&self) -> Opened {
         let scene = self.scene;
         let [left, right] = &self.experiments;
@@ -130,8 +131,8 @@ impl SceneState {
         command(["diptych", "run", self.scene.case, "--model", side.model.name()], sets)
     }
 
-    /// Command that compares the runs of both panels. If `compare` runs just these two models for the built-in case,
-    /// the command names this case. Otherwise it names the case file that the page can save.
+    /// Command that compares the runs of both panels. If `diptych compare` with the built-in case runs just these two
+    /// models, the command names this case. Otherwise the command names the case file that the page can save.
     fn command(&self) -> String {
         let plain = [&self.scene.left, self.right()].iter().all(|side| side.sets.is_empty());
         if plain && !self.case.names_variants() && self.right().model == Model::Hard {
@@ -165,14 +166,14 @@ impl SceneState {
     }
 }
 
-/// Changes to the built-in case that the scene makes, in the form `key=value`. Changes of one panel or of the user are
-/// not included.
+/// Changes to the built-in case that the scene makes for both panels, in the form `key=value`. Changes for one panel
+/// alone and changes by the user are not included.
 fn plain(scene: &LabScene) -> Vec<String> {
     scene.sets.iter().map(|set| (*set).to_owned()).collect()
 }
 
 /// Changes to the built-in case that the scene and the user make, in the form `key=value`. A setting of the user is
-/// left out if it equals the value in the experiment `own`.
+/// left out if it equals the value of the parameter in the experiment `own`, which has no changes by the user.
 fn changes(scene: &LabScene, choice: &SceneChoice, own: &Experiment) -> Result<Vec<String>, String> {
     if let Some(name) = choice.settings.keys().find(|name| !scene.knobs.iter().any(|range| range.knob.name() == **name))
     {
@@ -199,8 +200,8 @@ fn of_side(case: &BuiltIn, sets: &[String], side: &PanelSetup) -> Result<(Case, 
     Ok((case, checked))
 }
 
-/// Short description for the page of the way in which an experiment computes collisions. `start` has its particles at
-/// the start.
+/// Short description, for the page, of the way in which an experiment computes collisions. `start` has the particles in
+/// their initial state.
 fn method(experiment: &Experiment, start: &Particles) -> String {
     match (experiment.model(), experiment.hard.stepping) {
         (Model::Soft, _) => soft_method(experiment, start.len()),

@@ -33,19 +33,20 @@ const MOST_SESSIONS: usize = 4;
 /// reads them. If a page sends more, its connection is closed.
 const MOST_ASKS: usize = 256;
 
-/// Largest number of messages that wait until the WebSocket of a page sends them. At this number, the session of the
-/// page (the thread that runs its panels) waits.
+/// Largest number of messages that wait until the WebSocket of a page sends them. If so many messages wait, the session
+/// of the page (the thread that runs its panels) waits too.
 const UNSENT: usize = 4;
 
 /// Largest number of simultaneous connections, not counting WebSockets. A page opens six connections, and many systems
 /// allow a process only 64 open files.
 const MOST_CONNECTIONS: usize = 40;
 
-/// Time limit in which a page must send the head of a request after it has connected or got the previous answer. A page
-/// on this machine sends the head at once.
+/// Longest time from the connection of a page, or from the previous answer, to the end of the head of its next request.
+/// A page on this machine sends the head at once.
 const HEAD: Duration = Duration::from_secs(2);
 
-/// Time limit of a connection, after which it is closed. A page opens a new connection if it needs one.
+/// Longest duration of a connection, after which the connection is closed. A page opens a new connection if it needs
+/// one.
 const CONNECTION: Duration = Duration::from_secs(60);
 
 /// Pause before the next attempt to accept a connection, after the system has reported an error.
@@ -79,7 +80,7 @@ pub struct LabServer {
     server: JoinHandle<()>,
 }
 
-/// Data that all requests share. A clone refers to the same data.
+/// Data that all requests to the server share. A clone refers to the same data.
 #[derive(Clone)]
 struct ServerState {
     port: u16,
@@ -102,7 +103,8 @@ impl LabServer {
         Self::serving(port, None)
     }
 
-    /// Starts a server at any free port of this machine that shows a run, in place of the scenes of the lab.
+    /// Starts a server that shows a run, in place of the scenes of the lab. The server uses any free port of this
+    /// machine.
     ///
     /// # Errors
     /// Errors of [`start`](Self::start).
@@ -132,7 +134,7 @@ impl LabServer {
         Ok(Self { address, token, sessions, stop, server })
     }
 
-    /// Address of the lab, which the user opens in a browser. It contains the token.
+    /// Address of the lab, which the user opens in a browser. The address contains the token (secret text).
     pub fn url(&self) -> String {
         format!("http://{}/{}/", self.address, self.token.as_str())
     }
@@ -147,7 +149,7 @@ impl LabServer {
         self.sessions.load(Ordering::SeqCst)
     }
 
-    /// Stops the server and waits until it has ended, with all threads that it has started.
+    /// Stops the server. Waits until the server and all threads that it has started have ended.
     pub fn stop(self) {
         // errors are ignored: the server may have ended already, and a thread that has panicked has printed a message
         let _ = self.stop.send(true);
@@ -195,7 +197,7 @@ async fn accept(listener: tokio::net::TcpListener, router: Router) {
         tokio::spawn(async move {
             let mut server = http1::Builder::new();
             server.timer(TokioTimer::new()).header_read_timeout(HEAD);
-            // after a page has opened its WebSocket, `socket` serves it
+            // after a page has opened its WebSocket, the function `socket` serves this WebSocket
             let connection = server.serve_connection(TokioIo::new(stream), service).with_upgrades();
             // a connection that breaks off or times out is not an error of the server
             drop(tokio::time::timeout(CONNECTION, connection).await);
@@ -206,7 +208,7 @@ async fn accept(listener: tokio::net::TcpListener, router: Router) {
 
 /// Waits until the server is told to stop.
 pub(super) async fn until_told(stop: &mut watch::Receiver<bool>) {
-    // an error means that the server object no longer exists, so the server must stop
+    // an error means that the `LabServer` no longer exists, so the server must stop
     drop(stop.wait_for(|stop| *stop).await);
 }
 
@@ -217,16 +219,16 @@ fn plain(status: StatusCode) -> Response<Body> {
     response
 }
 
-/// Text of a header that the request contains exactly once; `None` otherwise. If a header occurs several times,
-/// programs may disagree on its value.
+/// Text of the header `name` if the request contains this header exactly once; `None` otherwise. If a header occurs
+/// several times, programs may disagree on its value.
 fn text(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
     let mut all = headers.get_all(name).iter();
     let only = all.next().filter(|_| all.next().is_none())?;
     only.to_str().ok()
 }
 
-/// Refuses a request that names another host than this machine, comes from another page, or lacks the token. Every
-/// answer gets headers that isolate the page from other pages.
+/// Refuses a request that names another host than this machine, comes from the page of another site, or lacks the token
+/// (secret text of the address). Every answer gets headers that isolate the page from other pages.
 async fn check(State(shared): State<ServerState>, request: Request, next: Next) -> Response<Body> {
     let headers = request.headers();
     let upgrade = headers.contains_key(header::UPGRADE);
@@ -288,8 +290,8 @@ async fn socket(State(shared): State<ServerState>, upgrade: WebSocketUpgrade) ->
     })
 }
 
-/// Permission for one open page. The number of permissions is limited. When this value is dropped, another page may be
-/// opened.
+/// Permission for one open page. The number of permissions is limited. When this value is dropped, the permission is
+/// free for another page.
 struct PageSlot(Arc<AtomicUsize>);
 
 impl Drop for PageSlot {
@@ -328,8 +330,8 @@ async fn serve_page(mut socket: WebSocket, shared: ServerState, place: PageSlot)
     }
 }
 
-/// Passes a request of a page to its session. Returns false if the connection must be closed, since the request is
-/// wrong or too many requests wait.
+/// Passes a request of a page to the session of this page. Returns false if the connection must be closed, because the
+/// request is wrong or too many requests wait.
 fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
     match message {
         ws::Message::Text(text) => serde_json::from_str(text).is_ok_and(|asked| ask.try_send(asked).is_ok()),
@@ -338,7 +340,8 @@ fn hear(message: &ws::Message, ask: &SyncSender<Ask>) -> bool {
     }
 }
 
-/// Starts the thread of a session. All computations of the session run in this thread.
+/// Starts the thread of a session, which runs the panels of one page. All computations of the session run in this
+/// thread.
 fn start(
     session: Session,
     place: PageSlot,

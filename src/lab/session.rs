@@ -2,8 +2,8 @@
 //! session has its own thread.
 //!
 //! Both panels advance to the same simulated time. A frame is the picture of one instant. Nothing is computed while the
-//! page is hidden or paused, or has received two frames that it has not drawn. A page therefore always shows a recent
-//! frame.
+//! page is hidden or paused, or has received two frames that it has not drawn. Frames therefore do not queue up, and a
+//! page always shows a recent one.
 
 use super::engine_lock::EngineLock;
 use super::protocol::{Ask, Listed, SceneChoice, Tell};
@@ -16,7 +16,7 @@ use tokio::sync::mpsc::Sender;
 /// Largest number of frames (pictures of one instant) that have been sent to the page, but that the page has not drawn.
 const UNDRAWN: u32 = 2;
 
-/// [-] smallest and largest factor that a user can apply to the default pace (simulated time over wall time) of a
+/// [-] smallest and largest factor that a user can apply to the default pace (simulated time divided by wall time) of a
 /// scene.
 const PACES: [f64; 2] = [0.02, 10.0];
 
@@ -31,17 +31,17 @@ pub enum PageMessage {
 
 /// Session of one open page of the lab: channels to the page, and the lock of the engines.
 pub struct Session {
-    /// Channel of requests from the page.
+    /// Channel by which requests from the page arrive.
     pub asks: Receiver<Ask>,
-    /// Channel of messages to the page.
+    /// Channel by which messages to the page are sent.
     pub tells: Sender<PageMessage>,
     /// Lock that all sessions share. The session computes only while it holds this lock.
     pub turn: EngineLock,
 }
 
-/// State of the page, from its requests so far. It consists of motion on or off, page visible or not, and single frame
+/// State of the page, according to its requests so far: motion on or off, page visible or not, and a single frame
 /// (picture of one instant) requested or not. It also has the number of frames that the page has not drawn, and the
-/// factor on the pace.
+/// factor by which the pace is multiplied.
 struct Wish {
     playing: bool,
     looking: bool,
@@ -115,8 +115,8 @@ impl Session {
         }
     }
 
-    /// Handles requests of the page until the next frame (picture of one instant) is due. If none is to be computed,
-    /// waits for a request. Returns the new scene, or `None` if the page has opened no scene that can be run.
+    /// Handles requests of the page until the next frame (picture of one instant) is due. If no frame is to be
+    /// computed, waits for a request. Returns the new scene, or `None` if the page has opened no scene that can be run.
     fn listen(&self, wish: &mut Wish, run: &StageRun) -> Result<Option<SceneState>, Gone> {
         let mut choice = None;
         let mut ask = if wish.wants(run) {
@@ -130,7 +130,8 @@ impl Session {
         };
         while let Some(next) = ask {
             match next {
-                // only the last of several choices is opened, because a slider sends many choices while it is moved
+                // if several choices have come, only the last is opened, because a slider sends many choices while it
+                // is moved
                 Ask::Open(other) => choice = Some(other),
                 Ask::Play { on } => wish.playing = on,
                 Ask::Step => wish.single = true,
@@ -158,9 +159,9 @@ impl Session {
 }
 
 impl Wish {
-    /// True if the next frame (picture of one instant) should be computed. The motion must be on or a single frame
-    /// requested, the page must be visible and have fewer than two undrawn frames, and at least one panel must not have
-    /// reached its end.
+    /// True if the next frame (picture of one instant) should be computed. There are four conditions. The motion is on
+    /// or a single frame is requested. The page is visible. It has fewer than two undrawn frames. At least one panel
+    /// has not reached its end.
     fn wants(&self, run: &StageRun) -> bool {
         let moving = self.playing || self.single;
         moving && self.looking && self.undrawn < UNDRAWN && run.panels.iter().any(|panel| panel.running().is_some())

@@ -1,5 +1,5 @@
-//! Opened scene of the lab while it runs: both panels (simulations side by side), and the times of the latest frame and
-//! of the latest comparison.
+//! Scene of the lab while it runs: both panels (simulations side by side), and the times of the latest frame (picture
+//! on the page) and of the latest comparison.
 
 use super::frame::{DrawnParticle, Head, Now, PanelComparison, bytes};
 use super::panel::LabPanel;
@@ -14,15 +14,15 @@ use std::time::Duration;
 const FRAME: Duration = Duration::from_millis(33);
 
 /// Largest wall time since the previous frame (picture on the page) that is converted to simulated time for the next
-/// frame. The rest of a longer pause is left out.
+/// frame. If a pause is longer, the rest of it is left out.
 const LATEST: Duration = Duration::from_millis(100);
 
 /// Wall time from one comparison of the panels to the next.
 const VERDICT: Duration = Duration::from_millis(1500);
 
-/// [-] margin of equivalence (largest accepted relative difference) of the comparison. At the end of its 20 s the
-/// channel of the lab has no difference beyond 5.5 %, by `diptych compare` of the case that the page saves. So the
-/// answer is "equivalent" at 10 %, and "unresolved" at 1 %, the default of `compare`.
+/// [-] margin of equivalence (largest accepted relative difference) of the comparison. In the scene `channel`, no
+/// difference is larger than 5.5 % at the end (20 s), according to `diptych compare` with the case that the page saves.
+/// The answer is therefore "equivalent" at 10 %. At 1 %, the default of `compare`, it would be "unresolved".
 const MARGIN: f64 = 0.1;
 
 /// Largest wall time that one panel may compute for one frame (picture on the page). A panel that needs longer shows
@@ -38,7 +38,8 @@ pub struct StageRun<'a> {
     clock: Clock,
     /// Wall time at which the latest frame (data for the page) was made, measured by `clock`.
     shown: Duration,
-    /// Comparison of the panels for the next frame; `None` if the page has already got the latest comparison.
+    /// Comparison of the panels, for the next frame (data for the page). `None` if the page has already got the latest
+    /// comparison.
     pub judged: Option<PanelComparison>,
     /// Wall time of the latest comparison of the panels, measured by `clock`.
     judged_at: Duration,
@@ -55,28 +56,29 @@ impl<'a> StageRun<'a> {
         Self { stage, panels: [panel(0), panel(1)], clock, shown: now, judged: None, judged_at: now }
     }
 
-    /// True if it is time for the next frame (picture on the page).
+    /// True if the time for the next frame (picture on the page) has come.
     pub fn is_due(&self) -> bool {
         self.clock.now() >= self.shown + FRAME
     }
 
-    /// Wall time until the next frame is due, at least 1 ms.
+    /// Wall time until the next frame (picture on the page) is due; at least 1 ms.
     pub fn until_next_frame(&self) -> Duration {
-        // at least 1 ms, so that other sessions can get the lock of the engine
+        // at least 1 ms, so that the sessions of other pages can get the lock of the engine
         (self.shown + FRAME).saturating_sub(self.clock.now()).max(Duration::from_millis(1))
     }
 
     /// [s] simulated time by which the panels advance for the next frame (picture on the page): wall time since the
-    /// previous frame, times the pace (simulated time over wall time). `factor` [-] multiplies the default pace. If
-    /// `single` is true, the wall time is that from one frame to the next.
+    /// previous frame, times the pace (simulated time divided by wall time). `factor` [-] multiplies the default pace
+    /// of the scene. If `single` is true, the usual time from one frame to the next takes the place of the wall time
+    /// that has passed.
     pub fn stretch(&self, factor: f64, single: bool) -> f64 {
         let passed = if single { FRAME } else { (self.clock.now() - self.shown).min(LATEST) };
         self.stage.pace() * factor * passed.as_secs_f64()
     }
 
-    /// Advances both panels to the same simulated time: the time of the running panel that is behind, plus `stretch`
-    /// [s]. A panel computes for at most 14 ms of wall time, and may then stay behind. At the end, the panels are
-    /// compared if the latest comparison is older than 1.5 s of wall time.
+    /// Advances both panels to the same simulated time: the time of the running panel that is behind the other, plus
+    /// `stretch` [s]. A panel computes for at most 14 ms of wall time, and may then stay behind. Then the panels are
+    /// compared if the latest comparison is more than 1.5 s of wall time ago.
     pub fn go_on(&mut self, stretch: f64) {
         let times = self.panels.iter().filter_map(LabPanel::running);
         let until = times.fold(f64::INFINITY, f64::min) + stretch;
@@ -106,7 +108,7 @@ impl<'a> StageRun<'a> {
     }
 
     /// Frame of the present state, as bytes: the data from which the page draws both panels. A new comparison is part
-    /// of the first frame after it only.
+    /// of the first frame after the comparison only.
     pub fn frame(&mut self) -> Vec<u8> {
         self.shown = self.clock.now();
         let sides: Vec<Now> = self.panels.iter_mut().map(LabPanel::now).collect();
@@ -116,9 +118,9 @@ impl<'a> StageRun<'a> {
     }
 }
 
-/// Profile of a channel for the page, with one row for each slice of the box across y. A row has the height y [mm], the
-/// streamwise velocity and its standard error [m/s], and the granular temperature and its standard error [m²/s²].
-/// Unknown values are `None`.
+/// Profile of a channel for the page, with one row for each slice (layer of the box normal to y). A row has the height
+/// y [mm], the streamwise velocity and its standard error [m/s], and the granular temperature and its standard error
+/// [m²/s²]. Unknown values are `None`.
 fn profile(outcome: &Outcome) -> Vec<[Option<f64>; 5]> {
     let table = &outcome.profiles;
     let rows = table.slices.iter().enumerate().map(|(slice, row)| {

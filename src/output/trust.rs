@@ -112,7 +112,7 @@ impl Halved {
 pub struct Verification {
     /// [s] simulated time of each of the two continuations.
     pub stretch: f64,
-    /// [-] wall-clock time of both continuations together, divided by that of the run.
+    /// [-] wall-clock time of both continuations together, divided by the wall-clock time of the run.
     pub cost: f64,
     /// [s] window of the run (time between two exchanges with the gas). The second continuation has half this window.
     pub window: f64,
@@ -141,6 +141,6 @@ pub struct TrustSheet {
     pub variant: String,
     /// Checks of the results, each with its judgement.
     pub checks: Vec<TrustCheck>,
-    /// Effect of halving the time step and the window (time between two exchanges with the gas).
+    /// Test of the effect of halving the time step and the window (time between two exchanges with the gas).
     pub halved_step: HalvedStep,
 }

@@ -80,7 +80,7 @@ impl ValidationNumber {
         self.difference().value.abs() / self.allowed
     }
 
-    /// Answer for this number in words, with the difference on which it is based.
+    /// Answer for this number in words, with the difference on which the answer is based.
     pub fn verdict(&self) -> String {
         let allowed = with_unit(significant(self.allowed, 2), self.unit);
         let difference = with_unit(with_error(self.difference()), self.unit);
@@ -124,16 +124,16 @@ pub struct ValidationRow {
 }
 
 impl ValidationRow {
-    /// Answer of the row (comparison): the worst answer of its numbers. It is `Unresolved` if a run stopped, or if
-    /// there are no numbers.
+    /// Answer of the row (comparison): the least favourable answer of its numbers. It is `Unresolved` if a run stopped,
+    /// or if there are no numbers.
     pub fn answer(&self) -> Answer {
         let worst = self.numbers.iter().map(|number| number.answer).max();
         worst.filter(|_| self.failure.is_none()).unwrap_or(Answer::Unresolved)
     }
 
-    /// Number of the row (comparison) that deviates most. Among the numbers with the worst answer, it is the one with
-    /// the largest difference over its tolerance or margin (largest accepted difference). `None` if the row has no
-    /// numbers.
+    /// Number of the row (comparison) that deviates most. It is chosen among the numbers with the least favourable
+    /// answer, and has the largest difference, divided by its tolerance or margin (largest accepted difference). `None`
+    /// if the row has no numbers.
     pub fn worst(&self) -> Option<&ValidationNumber> {
         let worst = self.answer();
         let among = self.numbers.iter().filter(|number| number.answer == worst);
@@ -174,17 +174,17 @@ pub struct ValidationStudy<'a> {
     pub left_out: &'a [&'static str],
     /// Comparisons that the suite does not make.
     pub not_validated: &'a [NotValidated],
-    /// True if the suite made shorter runs, by the option `--quick`.
+    /// True if the suite made shorter runs because of the option `--quick`.
     pub quick: bool,
 }
 
 impl ValidationStudy<'_> {
-    /// Command that repeats the runs of one row of the suite.
+    /// Command that repeats the runs of one row (comparison) of the suite.
     pub fn command(&self, row: &ValidationRow) -> String {
         format!("diptych validate --only {}{}", row.name, if self.quick { " --quick" } else { "" })
     }
 
-    /// Worst answer of all rows of the suite; `None` without rows.
+    /// Least favourable answer of all rows (comparisons) of the suite; `None` without rows.
     pub fn answer(&self) -> Option<Answer> {
         self.rows.iter().map(ValidationRow::answer).max()
     }

@@ -52,7 +52,7 @@ pub struct Verdict {
 /// has a table `[observe]`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ObservedDifference {
-    /// Name of the measurement in the case.
+    /// Name of the measurement in the table `[observe]` of the case.
     pub measurement: &'static str,
     /// Name of the number in `observables.csv`.
     pub quantity: String,
@@ -70,7 +70,7 @@ pub struct ObservedDifference {
     /// `None` without a standard error.
     pub chance: Option<f64>,
     /// [-] smallest margin (largest accepted difference) with which the answer would be "equivalent", divided by the
-    /// reference. `None` if the reference is zero within its error, or without a standard error.
+    /// magnitude of the reference. `None` if the reference is zero within its error, or without a standard error.
     pub reached: Option<f64>,
     /// Answer for this number; `None` if the number was not judged, for the reason in `remark`.
     pub answer: Option<Answer>,
@@ -85,7 +85,8 @@ impl ObservedDifference {
     }
 }
 
-/// Worst answer of several comparisons; "different" is worse than "unresolved". `None` without comparisons.
+/// Least favourable answer of several comparisons: "different", else "unresolved", else "equivalent". `None` without
+/// comparisons.
 pub fn overall(verdicts: &[Verdict]) -> Option<Answer> {
     verdicts.iter().map(|verdict| verdict.answer).max()
 }

@@ -1,7 +1,7 @@
 //! Scenes of the lab. A scene is a case of `cases/` with changes, adjustable parameters, graphs and texts. Its two
 //! panels show simulations side by side.
 //!
-//! A new scene is a file in this folder, which must be named below in `mod` and in [`SCENES`].
+//! To add a scene, write a file in this folder, and name it below in a line `mod` and in [`SCENES`].
 
 mod bounce;
 mod channel;
@@ -38,7 +38,7 @@ pub struct LabScene {
     pub rights: &'static [PanelSetup],
     /// Parameters that the user can change on the page, with their limits.
     pub knobs: &'static [ParameterRange],
-    /// Set of quantities that are measured and drawn.
+    /// Set of quantities that are measured and drawn as graphs.
     pub gauge: Gauge,
     /// [s] wall time of the whole animation at its default speed.
     pub lasts: f64,
@@ -46,7 +46,7 @@ pub struct LabScene {
     pub view: BoxView,
     /// Description of the scene in three parts, each of one or two sentences.
     pub sentences: [&'static str; 3],
-    /// Equation that describes the scene, as text for the page, with a line break between two equations.
+    /// Equation that describes the scene, as text for the page. A line break separates two equations.
     pub equation: &'static str,
     /// Meaning of the symbols in the equation.
     pub symbols: &'static str,
@@ -89,7 +89,7 @@ const SOFT: PanelSetup = PanelSetup { title: "soft", model: Model::Soft, sets: &
 /// Setup of a panel with hard spheres, whose collisions are computed as in the case, by default at their exact
 /// instants.
 const HARD: PanelSetup = PanelSetup { title: "hard", model: Model::Hard, sets: &[] };
-/// Setup of a panel with hybrid spheres, whose contacts are soft or instantaneous.
+/// Setup of a panel with hybrid spheres, whose impacts are soft contacts or instantaneous collisions.
 const HYBRID: PanelSetup = PanelSetup { title: "hybrid", model: Model::Hybrid, sets: &[] };
 
 /// All scenes, in the order in which the page lists them.
