@@ -1,9 +1,9 @@
 //! Measures the wall time per particle of the parts of a simulation (kernels): `RAYON_NUM_THREADS=1 cargo bench`. With
-//! one thread, the times of the parts add up to that of the whole.
+//! one thread, the times of the parts add up to the time of the whole.
 //!
-//! Islands (groups of particles that may meet), straight flight and the event queue cannot be called from here. Their
-//! times are those of one window of an engine, in a scene in which they take most of the time. A window is the time
-//! between two exchanges with the gas. The paper is that of docs/paper.md.
+//! Islands (groups of particles that may meet), straight flight and the event queue cannot be called from here. For
+//! each of them, the time of one window of an engine is measured, in a scene in which this part takes most of the time.
+//! A window is the time between two exchanges with the gas. The paper is that of docs/paper.md.
 
 use diptych::contact_law::{Bodies, ContactLaw};
 use diptych::domain::Domain;
@@ -30,7 +30,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// [m] distance between the walls of the channel.
 const HEIGHT: f64 = 0.03;
-/// Drag law of the paper.
+/// Drag law of the paper (docs/paper.md).
 const LAW: Drag = Drag::SchillerNaumann(SchillerNaumann);
 
 fn main() {
@@ -54,14 +54,14 @@ fn cloud(count: usize) -> Particles {
     particles
 }
 
-/// Spheres of the paper, of 406 um and 1.5 mm, in the gas.
+/// Spheres of the two sizes of the paper (docs/paper.md), with diameters of 406 um and 1.5 mm, in the gas `gas`.
 fn spheres(gas: &Fluid) -> [Sphere; 2] {
     [(406e-6, 1038.0), (1.5e-3, 1032.0)].map(|(diameter, density)| gas.sphere(&Species::new("", diameter, density)))
 }
 
-/// Measures the time in which a flag is sent to another core and comes back, a thousand times. If the two cores share a
-/// cache, this time is shorter, and two threads gain more (docs/design/islands.md). On a virtual machine the time may
-/// change from minute to minute.
+/// Measures the time of a thousand round trips of a flag: it is set for another processor core, which resets it. If the
+/// two cores share a cache, this time is shorter, and a second thread gains more (docs/design/islands.md). On a virtual
+/// machine the time may change from minute to minute.
 #[divan::bench]
 fn thousand_words_to_another_core_and_back(bencher: Bencher) {
     let (turn, is_over) = (AtomicBool::new(false), AtomicBool::new(false));
@@ -120,21 +120,22 @@ fn profile(bencher: Bencher, count: usize) {
         .bench_local(|| black_box(&particles).position.iter().map(|x| fluid.profile.velocity(x.y)).sum::<f64>());
 }
 
-/// [m] diameter of the smaller spheres of the paper.
+/// [m] diameter of the smaller spheres of the paper (docs/paper.md).
 const DIAMETER: f64 = 406e-6;
-/// [kg/m³] density of the smaller spheres of the paper.
+/// [kg/m³] density of the smaller spheres of the paper (docs/paper.md).
 const DENSITY: f64 = 1038.0;
-/// [N/m] stiffness of the smaller spheres of the paper (Table 1, case D).
+/// [N/m] stiffness of the smaller spheres of the paper (docs/paper.md, Table 1, case D).
 const STIFFNESS: f64 = 3000.0;
-/// [s] length of the window, about that of case D of the paper.
+/// [s] length of the window (time between two exchanges with the gas), about that of case D of the paper
+/// (docs/paper.md).
 const WINDOW: f64 = 2e-4;
 
-/// [-] share of the free space around a lattice site over which spheres are scattered. It is less than 1, so that
+/// [-] fraction of the free space around a lattice site over which spheres are scattered. It is less than 1, so that
 /// spheres do not touch.
 const JITTER: f64 = 0.999;
 
-/// Periodic cube with `count` spheres at the given volume fraction [-], without gas. Case D of the paper has the volume
-/// fraction 0.01.
+/// Periodic cube with `count` spheres at the given volume fraction [-], without gas. Case D of the paper
+/// (docs/paper.md) has the volume fraction 0.01.
 fn cube(count: usize, volume_fraction: f64) -> Scene {
     let species = Species::new("", DIAMETER, DENSITY);
     let side = (count as f64 * species.volume() / volume_fraction).cbrt();
@@ -142,7 +143,7 @@ fn cube(count: usize, volume_fraction: f64) -> Scene {
 }
 
 /// Spheres at scattered positions around the sites of a simple cubic lattice, so that none overlap. `jitter` [-] is the
-/// share of the free space over which they are scattered. The velocity components are normally distributed with a
+/// fraction of the free space over which they are scattered. The velocity components are normally distributed with a
 /// standard deviation of 0.5 m/s.
 fn suspension(scene: &Scene, count: usize, jitter: f64) -> Particles {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
@@ -161,8 +162,8 @@ fn suspension(scene: &Scene, count: usize, jitter: f64) -> Particles {
     particles
 }
 
-/// Measures the time of one window of `duration` [s], which the engine begins from the same state in each repetition.
-/// The time is given per particle.
+/// Measures the time of one window of the length `duration` [s] (time between two exchanges with the gas). The engine
+/// begins from the same state in each repetition. The time is given per particle.
 fn window(bencher: Bencher, scene: &Scene, particles: &Particles, engine: impl Fn() -> Box<dyn Engine>, duration: f64) {
     bencher
         .counter(ItemsCount::new(particles.len()))
@@ -192,7 +193,7 @@ fn hard() -> Box<dyn Engine> {
     Box::new(Hard::new())
 }
 
-/// Measures the sorting of positions into cells, with one particle per cell on average.
+/// Measures the sorting of positions into the cells of a grid, with one particle per cell on average.
 #[divan::bench(args = [8_000, 100_000])]
 fn cell_grid(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
@@ -205,7 +206,7 @@ fn cell_grid(bencher: Bencher, count: usize) {
 }
 
 /// Measures the making of the neighbour list (pairs that may touch soon) for uniform time steps, with the sorting of
-/// the particles by cells. A first list precedes the measurement, so the particles already have this order.
+/// the particles by cells. A list is made before the measurement, so the particles already have this order.
 #[divan::bench(args = [8_000, 100_000])]
 fn neighbour_list(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
@@ -215,8 +216,8 @@ fn neighbour_list(bencher: Bencher, count: usize) {
     bencher.counter(ItemsCount::new(count)).bench_local(|| list.build(black_box(&mut particles), &scene, WINDOW));
 }
 
-/// Measures the straight flight of particles with the search for touches, as a part of the engine. All velocities are
-/// parallel, so that no two particles meet.
+/// Measures the straight flight of particles, with the search for touches, by the hard engine. All velocities are
+/// equal, so that no two particles meet.
 #[divan::bench(args = [8_000, 100_000])]
 fn flight(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
@@ -225,8 +226,8 @@ fn flight(bencher: Bencher, count: usize) {
     window(bencher, &scene, &particles, hard, WINDOW);
 }
 
-/// Pairs of spheres that are about to meet head-on, far from all others. An engine then spends most of the time on the
-/// islands. The times are per particle.
+/// Pairs of spheres that are about to meet head-on, far from all other pairs. An engine then spends most of the time on
+/// the islands (groups of particles that may meet).
 fn pairs(count: usize) -> (Scene, Particles) {
     let scene = cube(count, 1e-3);
     let mut particles = suspension(&scene, count / 2, 0.5); // room for the partner
@@ -234,7 +235,7 @@ fn pairs(count: usize) -> (Scene, Particles) {
     for i in 0..own.len() {
         let (x, v) = (own.position[i], Vector3::new(0.5, 0.0, 0.0));
         particles.velocity[i] = v;
-        // a gap that closes after a quarter of the window
+        // this gap closes after a quarter of the window
         let gap = 2.0 * v.x * 0.25 * WINDOW;
         particles.push(x + Vector3::x() * (DIAMETER + gap), -v, own.radius[i], own.mass[i], 0);
     }
@@ -253,8 +254,8 @@ fn island_hard_pair(bencher: Bencher) {
     window(bencher, &scene, &particles, hard, WINDOW);
 }
 
-/// Measures the event queue of all particles, with the hard engine in a dense gas. Most of the time is spent on finding
-/// the next collisions, adding them to the queue and removing them. The volume fraction is 0.25.
+/// Measures the event queue of all particles, with the hard engine in a dense gas. The engine spends most of the time
+/// on finding the next collisions, and on adding them to the queue and removing them. The volume fraction is 0.25.
 #[divan::bench(args = [8_000])]
 fn calendar(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.25);
@@ -262,7 +263,8 @@ fn calendar(bencher: Bencher, count: usize) {
     window(bencher, &scene, &particles, || Box::new(Hard::with_one_calendar()), WINDOW);
 }
 
-/// Measures one window of soft spheres with uniform time steps, which move all particles together.
+/// Measures one window (time between two exchanges with the gas) of soft spheres with uniform time steps, which move
+/// all particles together.
 #[divan::bench(args = [8_000])]
 fn soft_uniform_window(bencher: Bencher, count: usize) {
     let scene = cube(count, 0.01);
@@ -270,8 +272,9 @@ fn soft_uniform_window(bencher: Bencher, count: usize) {
     window(bencher, &scene, &particles, || soft(SoftStepping::Uniform), WINDOW);
 }
 
-/// Measures one window of a dilute gas in a round vessel. The window is so long that some spheres meet the wall. Most
-/// of the time is spent on islands at walls that are not flat.
+/// Measures one window of a dilute gas in a round vessel. The window (time between two exchanges with the gas) is so
+/// long that some spheres meet the wall. Most of the time is spent on islands (groups of bodies that may meet) at walls
+/// that are not flat.
 #[divan::bench(args = ["can", "cone", "sphere", "pipe"])]
 fn gas_in_round_vessel(bencher: Bencher, vessel: &str) {
     /// [s] length of the window, about a twentieth of the time in which a sphere crosses the vessel.

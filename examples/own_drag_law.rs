@@ -1,4 +1,4 @@
-//! A drag law that the user defines, after Clift and Gauvin (1970): drag coefficient C_D = 24/Re (1 + 0.15 Re^0.687) +
+//! A drag law that the user defines, by Clift and Gauvin (1970): drag coefficient C_D = 24/Re (1 + 0.15 Re^0.687) +
 //! 0.42/(1 + 42500 Re^-1.16), with the Reynolds number Re of the particle.
 
 use diptych::drag::{Drag, DragLaw, Sphere};

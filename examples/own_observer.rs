@@ -1,5 +1,5 @@
-//! An observer that the user defines: it records the kinetic energy of a cooling gas at every sample (instant of
-//! measurement).
+//! An observer (measurement during a run) that the user defines. It records the kinetic energy of a cooling gas at
+//! every sample (instant of measurement).
 
 use diptych::observe::{Observer, run};
 use diptych::schedule::Schedule;

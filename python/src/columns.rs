@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
 
-/// Column of a particle store.
+/// Column of a particle store (memory with the data of all particles): one property of each particle.
 #[derive(Clone, Copy, Debug)]
 pub enum Column {
     /// [m] position of the centre.
@@ -30,18 +30,19 @@ pub enum Column {
     Id,
 }
 
-/// Owner of the memory of an array: a column of a store. It has the array interface of numpy, version 3.
+/// Owner of the memory of a numpy array: one column of a particle store. The object has the array interface of numpy,
+/// version 3, by which numpy finds the memory.
 #[pyclass(frozen, module = "diptych._engine")]
 pub struct ParticleColumn {
     particles: Arc<Particles>,
     column: Column,
 }
 
-// a vector has three numbers without padding, because numpy reads vectors as rows of three numbers
+// a vector must be three numbers without gaps in memory, because numpy reads vectors as rows of three numbers
 const _: () = assert!(size_of::<Vector3<f64>>() == 3 * size_of::<f64>());
 
-/// Place of a column in memory: address, type of its numbers (`f8` is a float of 8 bytes, `u2` a whole number of 2
-/// bytes), and count of numbers per particle.
+/// Place of a column in memory: address, type of its numbers in the notation of numpy (`f8` is a float of 8 bytes, `u2`
+/// an unsigned whole number of 2 bytes), and count of numbers per particle.
 fn place(particles: &Particles, column: Column) -> (usize, &'static str, usize) {
     let vectors = |rows: &[Vector3<f64>]| (rows.as_ptr() as usize, "f8", 3);
     match column {
@@ -75,7 +76,8 @@ impl ParticleColumn {
     }
 }
 
-/// Array of numpy with a column. It shares the memory of the store and cannot be written.
+/// Array of numpy with one column of the particle store `particles`. The array shares the memory of the store, and
+/// Python cannot write into it.
 pub fn array<'py>(py: Python<'py>, particles: Arc<Particles>, column: Column) -> PyResult<Bound<'py, PyAny>> {
     let owner = Bound::new(py, ParticleColumn { particles, column })?;
     py.import("numpy")?.call_method1("asarray", (owner,))

@@ -19,8 +19,8 @@ const LOOK: Duration = Duration::from_millis(50);
 pub struct MovingParticles {
     simulation: diptych::Simulation,
     pool: ThreadPool,
-    /// Particles that arrays of Python may share; the store of the simulation is then empty. `None` if the simulation
-    /// has the particles.
+    /// Particles that arrays of Python may share. Meanwhile the store (memory with the data of all particles) of the
+    /// simulation is empty. `None` if the particles are in the store of the simulation.
     lent: Option<Arc<Particles>>,
     /// Page that shows the simulation, and its server; `None` if no page was asked for.
     shown: Option<(LiveView, LabServer)>,
@@ -31,7 +31,7 @@ pub struct MovingParticles {
 pub enum RunEnd {
     /// End at this simulated time [s].
     Time(f64),
-    /// End at the end of the present window.
+    /// End at the end of the present window (time between two exchanges with the gas).
     Window,
 }
 
@@ -53,13 +53,14 @@ impl MovingParticles {
         Ok(Self { simulation, pool, lent: None, shown: None })
     }
 
-    /// Simulation that Python owns. Its store is empty while arrays share the particles.
+    /// Simulation that Python owns. Its store (memory with the data of all particles) is empty while the particles are
+    /// lent ([`lend`](Self::lend)).
     pub fn simulation(&self) -> &diptych::Simulation {
         &self.simulation
     }
 
-    /// Particles at the present time, to be shared with arrays. They do not change while an array shares them: a run
-    /// then continues with a copy.
+    /// Particles at the present time, which arrays of Python may share. The shared particles do not change: while an
+    /// array uses them, a run continues with a copy.
     ///
     /// # Errors
     /// The check of the present state has failed.
@@ -68,16 +69,17 @@ impl MovingParticles {
             return Ok(Arc::clone(lent));
         }
         let Self { simulation, pool, .. } = self;
-        // between two samples (instants of measurement) the velocities lack half a kick (change by drag), which is
-        // added before they are read
+        // between two samples (instants of measurement) half a kick (change by drag) is missing in the velocities, and
+        // is added before they are read
         pool.install(|| simulation.complete())?;
         let lent = Arc::new(std::mem::take(&mut self.simulation.particles));
         self.lent = Some(Arc::clone(&lent));
         Ok(lent)
     }
 
-    /// Accelerates the particles for `duration` [s] without any motion. `by_id` has the acceleration [m/s²] of each
-    /// particle at the index of its id; particles with ids beyond the end of this list have none.
+    /// Changes the velocities of the particles by accelerations that last for `duration` [s]; the particles do not
+    /// move. `by_id` has the acceleration [m/s²] of each particle at the index of its id; particles with ids beyond the
+    /// end of this list have none.
     ///
     /// # Errors
     /// The check of the present state has failed.
@@ -93,7 +95,7 @@ impl MovingParticles {
     }
 
     /// Address of a page of this machine that shows the simulation, now and while it runs. The first call starts the
-    /// server of this page.
+    /// server of this page. `title` is the heading of the page.
     ///
     /// # Errors
     /// The server cannot start.
@@ -112,7 +114,7 @@ impl MovingParticles {
         Ok(url)
     }
 
-    /// Shows the present state on the page, if the simulation has one.
+    /// Shows the present state of the simulation on its page, if the simulation has a page.
     pub fn refresh(&mut self) {
         if self.shown.is_some() {
             self.take_back();
@@ -123,16 +125,17 @@ impl MovingParticles {
         }
     }
 
-    /// Takes the particles back into the store of the simulation. If arrays still share them, the simulation gets a
-    /// copy.
+    /// Takes the particles back into the store (memory with the data of all particles) of the simulation. If arrays
+    /// still share the particles, the simulation gets a copy.
     fn take_back(&mut self) {
         if let Some(lent) = self.lent.take() {
             self.simulation.particles = Arc::unwrap_or_clone(lent);
         }
     }
 
-    /// Runs the simulation to `end`. Meanwhile other threads of Python may run, because the lock of the interpreter is
-    /// released. A signal stops the run at the end of a window.
+    /// Runs the simulation to `end`. Other threads of Python may run meanwhile, because the lock of the interpreter is
+    /// released. A signal, such as Ctrl-C, stops the run at the end of a window (time between two exchanges with the
+    /// gas).
     ///
     /// # Errors
     /// The engine has failed, or a signal has stopped the run.
@@ -155,7 +158,7 @@ impl MovingParticles {
                         }
                         !is_window && !stop.load(Ordering::Relaxed)
                     };
-                    // the receiver waits for this message, unless the work panics and the scope passes the panic on
+                    // sending fails only if the receiver no longer exists, and it exists until this message has come
                     let _ = send.send(keep_workers_spinning(|| simulation.run_until_while(time, &mut go_on)));
                 });
                 let result = loop {

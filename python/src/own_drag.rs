@@ -3,10 +3,10 @@
 //! window.
 //!
 //! A window begins and ends with a half-kick by this law. The half-kick at the end needs the accelerations at the end,
-//! and these depend on the velocities after this half-kick. The half-kick is therefore predicted with the accelerations
-//! of the previous call, and corrected after the call. This is the velocity-Verlet scheme with predicted velocities of
-//! Groot and Warren (1997), J. Chem. Phys. 107, 4423. Their factor λ is 1: the prediction covers the whole window. The
-//! scheme is of second order in the window.
+//! which depend on the velocities after this half-kick. The half-kick is therefore made with the accelerations of the
+//! previous call first (prediction). After the next call of the function, the difference is added (correction). This is
+//! the velocity-Verlet scheme with predicted velocities of Groot and Warren (1997), J. Chem. Phys. 107, 4423. Their
+//! factor λ is 1: the prediction covers the whole window. The scheme is of second order in the window.
 
 use crate::moving::RunEnd;
 use diptych::{Particles, Vector3};
@@ -14,25 +14,28 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-/// [-] largest remainder of a run after a whole window, divided by this window, that is run together with the window.
-/// Rounding leaves such remainders.
+/// [-] largest remainder of a run after a window, divided by the length of this window, that is computed together with
+/// the window. Such remainders are left by rounding.
 const REST: f64 = 1e-6;
 
-/// Function of Python that returns accelerations of the particles, and the accelerations of its latest call.
+/// Drag law as a function of Python that returns the accelerations of the particles, with the accelerations of its
+/// latest call.
 pub struct OwnDrag {
     /// Function of Python that is called with the simulation.
     pub function: Py<PyAny>,
-    /// [m/s²] accelerations of the latest call, by the ids of the particles. Particles that have entered since this
-    /// call have none.
+    /// [m/s²] accelerations of the latest call, by the ids of the particles. Particles that have entered the box since
+    /// this call have no entry.
     pub by_id: Vec<Vector3<f64>>,
-    /// True if the accelerations belong to the present time.
+    /// True if the stored accelerations belong to the present time, so that the function need not be called.
     pub is_current: bool,
-    /// [s] duration of the predicted half-kick that the next call corrects; 0 if there is none.
+    /// [s] duration of the predicted half-kick (change of velocities in half a window) that is corrected after the next
+    /// call; 0 if no half-kick was predicted.
     pub predicted: f64,
 }
 
 impl OwnDrag {
-    /// Stores a function of Python. It is first called before the next window.
+    /// Stores a function of Python. The function is called for the first time before the next window (time between two
+    /// exchanges with the gas).
     ///
     /// # Errors
     /// `TypeError` if the object cannot be called.
@@ -57,8 +60,8 @@ impl OwnDrag {
     }
 }
 
-/// Next piece of a run that ends at `end`: a window, or the part of a window up to the end of the run. Returns the
-/// piece with its length [s], or `None` at the end of the run.
+/// Next piece of a run that ends at `end`: a window (time between two exchanges with the gas), or the part of a window
+/// up to the end of the run. Returns the piece with its length [s], or `None` at the end of the run.
 ///
 /// # Errors
 /// `ValueError` if the case has no windows.

@@ -8,12 +8,13 @@ use pyo3::types::{PyDict, PyMapping};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Reads a case from a path, the name of a built-in case or a dict (`case`), or from a text (`text`). `sets` are
-/// changes of keys in the form `key=value`. `start` has arrays with the properties of the particles at the start, by
-/// the names of these properties in `diptych.scenes.start_table`; `None` if the case gives the start.
+/// Reads a case either from `case` (a path, the name of a built-in case, or a dict) or from its text (`text`). `sets`
+/// are changes of keys in the form `key=value`. `start` has arrays with the properties of the particles at the start,
+/// by the names of these properties in `diptych.scenes.start_table`; `None` if the case gives the start.
 ///
 /// # Errors
-/// `InputError` with the message of the reader. `ValueError` if both or none of case and text are given.
+/// `InputError` with the message of the reader, if the case or the start is not valid. `ValueError` unless exactly one
+/// of `case` and `text` is given.
 pub fn read(
     py: Python<'_>,
     (case, text): (Option<Bound<'_, PyAny>>, Option<&str>),

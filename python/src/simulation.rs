@@ -16,8 +16,8 @@ use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 /// Collision models that a caller can choose by name.
 const MODELS: [Model; 4] = [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc];
 
-/// Simulation of one case with one collision model. The simulated time stands still between the calls that move the
-/// particles.
+/// Simulation of one case with one collision model. Simulated time passes only during calls that move the particles,
+/// such as `run_until`.
 #[pyclass(frozen, subclass, module = "diptych._engine")]
 pub struct Simulation {
     moving: Mutex<MovingParticles>,
@@ -30,7 +30,7 @@ pub struct Simulation {
 }
 
 /// Times at which an observer is called: at every sample of the case (instant of measurement), at the end of every
-/// window, or after every so many seconds of simulated time.
+/// window (time between two exchanges with the gas), or at equal intervals of simulated time.
 enum Every {
     Sample,
     Window,
@@ -49,8 +49,8 @@ impl Every {
         }
     }
 
-    /// [s] simulated time of the next call of the observer; infinite if none follows. `begun` [s] is the time at which
-    /// the run began, and `calls` the number of calls so far.
+    /// [s] simulated time of the next call of the observer; infinite if there is no further call. `begun` [s] is the
+    /// time at which the run began, and `calls` the number of calls so far.
     fn next(&self, simulation: &diptych::Simulation, begun: f64, calls: u64) -> f64 {
         let next = match self {
             Self::Sample => simulation.next_sample(),
@@ -68,13 +68,15 @@ fn model_of(name: &str) -> PyResult<Model> {
 }
 
 impl Simulation {
-    /// Access to the particles and the engine. An error is returned if another thread runs the simulation. Waiting for
-    /// this thread would block the interpreter, which the thread may need in order to stop.
+    /// Access to the particles and the engine. An error is returned if another thread runs the simulation. The function
+    /// does not wait for this thread, because waiting would block the interpreter, which the thread may need in order
+    /// to stop.
     fn at_rest(&self) -> PyResult<MutexGuard<'_, MovingParticles>> {
         unlocked(&self.moving, "another thread runs this simulation")
     }
 
-    /// Drag law of the calling program; `None` if there is none. An error is returned while a run is in progress.
+    /// Access to the drag law that the calling program has set; `None` if there is none. An error is returned while a
+    /// run is in progress.
     fn own_drag(&self) -> PyResult<MutexGuard<'_, Option<OwnDrag>>> {
         unlocked(&self.drag, "this simulation is running: neither drag nor another thread can change or run it")
     }
@@ -87,7 +89,8 @@ impl Simulation {
         self.at_rest()?.lend().map_err(failed)
     }
 
-    /// Runs the simulation to `end`, with kicks by the drag law of the calling program if there is one.
+    /// Runs the simulation to `end`, with kicks (changes of velocities) by the drag law of the calling program, if
+    /// there is one.
     fn run_to(slf: &Bound<'_, Self>, end: RunEnd) -> PyResult<()> {
         let (py, this) = (slf.py(), slf.get());
         let mut drag = this.own_drag()?;
@@ -110,8 +113,8 @@ impl Simulation {
         }
     }
 
-    /// Calls the drag law, unless its accelerations already belong to the present time. Then corrects the latest kick,
-    /// which was predicted with the accelerations of the previous call.
+    /// Calls the drag law, unless its accelerations already belong to the present time. Then corrects the latest kick
+    /// (change of velocities), which was predicted with the accelerations of the previous call.
     fn call_drag(slf: &Bound<'_, Self>, drag: &mut OwnDrag) -> PyResult<()> {
         if drag.is_current {
             return Ok(());
@@ -179,9 +182,9 @@ impl Simulation {
         Ok(Self { moving: Mutex::new(moving), drag: Mutex::new(None), experiment, energy_at_start })
     }
 
-    /// Runs until `time` [s]. `observer(simulation)` is called at every sample of the case (instant of measurement), at
-    /// the end of every window (`every="window"`), or every so many seconds of simulated time (`every=0.1`). The last
-    /// call is at `time`.
+    /// Runs until `time` [s]. `observer(simulation)` is called at every sample of the case (instant of measurement).
+    /// With `every="window"` it is called at the end of every window (time between two exchanges with the gas), with
+    /// `every=0.1` every 0.1 s of simulated time. The last call is at `time`.
     #[pyo3(signature = (time, observer=None, *, every=None))]
     fn run_until(
         slf: &Bound<'_, Self>,
@@ -214,7 +217,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Page of this machine that shows the particles while the simulation runs.
+    /// Opens a page of this machine that shows the particles while the simulation runs.
     fn show<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let shown = self.at_rest()?.show(&self.experiment, self.experiment.model().name());
         let address = shown.map_err(|why| PyRuntimeError::new_err(why.to_string()))?;
@@ -231,8 +234,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Drag law of the calling program, beside that of the case; `None` if there is none. It is a function of the
-    /// simulation that returns the acceleration of each particle [m/s²].
+    /// Drag law of the calling program, in addition to the drag of the case; `None` if there is none. The law is a
+    /// function that is called with the simulation, and returns the acceleration of each particle [m/s²].
     #[getter]
     fn drag(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
         Ok(self.own_drag()?.as_ref().map(|drag| drag.function.clone_ref(py)))
@@ -293,8 +296,8 @@ impl Simulation {
         Ok(self.particles()?.kinetic_energy())
     }
 
-    /// [J] terms of the energy balance: energy at the start and now, works and losses since the start, and the
-    /// residual. The residual is the part of the change of the energy that works and losses do not explain.
+    /// [J] terms of the energy balance: energy at the start and now, work and losses since the start, and the residual.
+    /// The residual is the part of the change of the energy that work and losses do not explain.
     #[getter]
     fn ledger<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let particles = self.particles()?;

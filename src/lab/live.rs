@@ -153,7 +153,7 @@ impl LiveView {
     }
 
     /// Makes a frame (data of the present instant for the page) if the latest frame is older than `FRAME`. While no
-    /// page is open, it must be older than `UNSEEN`. The state of the run is not changed.
+    /// page is open, the limit is `UNSEEN`. The state of the run is not changed.
     pub fn offer(&mut self, simulation: &Simulation) {
         let pause = if self.feed.pages.load(Ordering::Relaxed) > 0 { FRAME } else { UNSEEN };
         if self.clock.now() >= self.shown.0 + pause || self.at_start.is_none() {
