@@ -277,7 +277,7 @@ fn soft_uniform_window(bencher: Bencher, count: usize) {
 /// that are not flat.
 #[divan::bench(args = ["can", "cone", "sphere", "pipe"])]
 fn gas_in_round_vessel(bencher: Bencher, vessel: &str) {
-    /// [s] length of the window, about a twentieth of the time in which a sphere crosses the vessel.
+    /// [s] length of the measured window, about a twentieth of the time in which a sphere crosses the vessel.
     const LONG: f64 = 1e-3;
     let scene = cube(400, 0.002);
     let (center, radius) = (0.5 * scene.domain.size, 0.45 * scene.domain.size.x);

@@ -5,7 +5,7 @@ use diptych::observe::{Observer, run};
 use diptych::schedule::Schedule;
 use diptych::{Domain, Experiment, Population, Scene, Simulation, Species, Spheres, Surface, Vector3};
 
-/// Time [s] and kinetic energy [J] at each sample.
+/// Time [s] and kinetic energy [J] at each sample (instant of measurement).
 #[derive(Default)]
 struct Cooling(Vec<(f64, f64)>);
 

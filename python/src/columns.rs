@@ -14,19 +14,19 @@ use std::sync::Arc;
 /// Column of a particle store (memory with the data of all particles): one property of each particle.
 #[derive(Clone, Copy, Debug)]
 pub enum Column {
-    /// [m] position of the centre.
+    /// [m] position of the centre of each particle.
     Position,
-    /// [m/s] velocity of the centre.
+    /// [m/s] velocity of the centre of each particle.
     Velocity,
-    /// [rad/s] spin.
+    /// [rad/s] spin (angular velocity) of each particle.
     Spin,
-    /// [m] radius.
+    /// [m] radius of each particle.
     Radius,
-    /// [kg] mass.
+    /// [kg] mass of each particle.
     Mass,
-    /// Index of the species.
+    /// Index of the species of each particle.
     Species,
-    /// Number by which a particle is identified (id).
+    /// Number by which each particle is identified (id).
     Id,
 }
 

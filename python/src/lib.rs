@@ -19,7 +19,7 @@ fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| diptych::program::main(arguments))
 }
 
-/// Engines of diptych.
+/// Simulations of diptych, and its command line.
 #[pymodule]
 fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(main, module)?)?;

@@ -44,7 +44,8 @@ pub enum Interruption {
 }
 
 impl MovingParticles {
-    /// Takes over a simulation, which then runs on the given number of threads; 0 means one thread per processor.
+    /// Takes ownership of a simulation, which then runs on the given number of threads; 0 means one thread per
+    /// processor.
     ///
     /// # Errors
     /// The threads cannot be started.
@@ -63,7 +64,7 @@ impl MovingParticles {
     /// array uses them, a run continues with a copy.
     ///
     /// # Errors
-    /// The check of the present state has failed.
+    /// A particle has left the domain, or the energy has grown by more than the errors of the time integrator explain.
     pub fn lend(&mut self) -> Result<Arc<Particles>, Failure> {
         if let Some(lent) = &self.lent {
             return Ok(Arc::clone(lent));
@@ -82,7 +83,7 @@ impl MovingParticles {
     /// end of this list have none.
     ///
     /// # Errors
-    /// The check of the present state has failed.
+    /// A particle has left the domain, or the energy has grown by more than the errors of the time integrator explain.
     pub fn accelerate(&mut self, by_id: &[Vector3<f64>], duration: f64) -> Result<(), Failure> {
         self.take_back();
         let Self { simulation, pool, .. } = self;

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
-/// Collision models that a caller can choose by name.
+/// Collision models that a caller in Python can choose by name.
 const MODELS: [Model; 4] = [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc];
 
 /// Simulation of one case with one collision model. Simulated time passes only during calls that move the particles,
@@ -224,7 +224,7 @@ impl Simulation {
         py.import("diptych.live")?.call_method1("LivePage", (address,))
     }
 
-    /// Runs `windows` windows of the schedule. Windows are the times between two exchanges with the gas.
+    /// Runs as many windows as `windows` states. A window is the time between two exchanges with the gas.
     #[pyo3(signature = (windows=1))]
     fn step(slf: &Bound<'_, Self>, windows: u64) -> PyResult<()> {
         for _ in 0..windows {

@@ -164,7 +164,7 @@ pub fn bytes(head: &impl Serialize, particles: &[Vec<DrawnParticle>]) -> Vec<u8>
     bytes
 }
 
-/// Reason why a run failed: the kind of the failure as one word, and a sentence.
+/// Reason why a run failed: the kind of the failure as one word, and the failure as a sentence.
 pub fn words(failure: &Failure) -> (&'static str, String) {
     (failure.kind(), failure.to_string())
 }

@@ -267,7 +267,7 @@ fn temperature(particles: &Particles) -> f64 {
 
 /// Observer that measures the quantities of a set (gauge) while a panel of the page runs.
 pub struct Meter<'a> {
-    /// Quantities that are measured.
+    /// Set of quantities that are measured.
     pub gauge: Gauge,
     experiment: &'a Experiment,
     at_start: Option<f64>,

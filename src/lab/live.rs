@@ -33,7 +33,7 @@ const VERDICT: Duration = Duration::from_millis(1500);
 /// per second.
 const MOST_DRAWN: usize = 20_000;
 
-/// Largest number of points of a curve, which is more than a picture of 440 pixels shows.
+/// Largest number of points of a curve. A picture with a width of 440 pixels cannot show more.
 const MOST_ROWS: usize = 500;
 
 /// [-] largest rounding error in the time of a sample (instant of measurement), divided by the time between two

@@ -8,7 +8,8 @@ use axum::extract::ws::{Message, WebSocket};
 use std::sync::atomic::Ordering;
 use tokio::sync::watch;
 
-/// Largest number of frames that have been sent to the page, but that the page has not drawn.
+/// Largest number of frames (data of one instant each) that have been sent to the page, but that the page has not
+/// drawn.
 const UNDRAWN: u32 = 2;
 
 /// Sends frames (data of one instant each) until the page is closed or the server stops. A page that is still open when

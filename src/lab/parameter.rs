@@ -15,22 +15,22 @@ const DIGITS: i32 = 4;
 pub enum ParameterValue {
     /// Number, in the unit in which the page shows the parameter.
     Number(f64),
-    /// One of several words, such as the name of an integrator.
+    /// One of several words, such as the name of a method of integration in time.
     Word(String),
 }
 
 /// Parameter of a scene that a user can change on the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LabParameter {
-    /// [-] restitution e of the contacts of pairs and at walls.
+    /// [-] restitution e of contacts between particles and at walls.
     Restitution,
-    /// [-] friction coefficient μ of the contacts of pairs and at walls.
+    /// [-] friction coefficient μ of contacts between particles and at walls.
     Friction,
     /// [N/m] stiffness k_n of the linear spring of soft contacts.
     Stiffness,
-    /// [-] number of steps per contact N_c of soft spheres.
+    /// [-] number N_c of time steps per contact of soft spheres.
     StepsPerContact,
-    /// Time integrator of the contacts of soft spheres.
+    /// Method of integration in time for the contacts of soft spheres.
     Integrator,
     /// [µs] length of the window h, the time between two exchanges of momentum with the gas.
     Window,
@@ -82,7 +82,7 @@ pub enum ParameterKind {
     Words(Vec<(&'static str, &'static str)>),
 }
 
-/// Names of the two integrators of soft contacts: as typed in a case, and as shown on the page.
+/// Names of the two methods of integration in time for soft contacts, each as typed in a case and as shown on the page.
 const INTEGRATORS: [(&str, &str); 2] = [("velocity_verlet", "velocity Verlet"), ("rk2", "Runge-Kutta 2 (Heun)")];
 
 impl LabParameter {

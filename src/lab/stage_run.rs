@@ -29,8 +29,8 @@ const MARGIN: f64 = 0.1;
 /// the simulated time that it has reached.
 const BUDGET: Duration = Duration::from_millis(14);
 
-/// Panels of an opened scene while they run, with the times of the latest frame (picture on the page) and of the latest
-/// comparison.
+/// Panels (simulations side by side) of an opened scene while they run, with the times of the latest frame (picture on
+/// the page) and of the latest comparison.
 pub struct StageRun<'a> {
     stage: &'a SceneState,
     /// The left and the right panel.
@@ -90,7 +90,8 @@ impl<'a> StageRun<'a> {
         }
     }
 
-    /// Compares the results of both panels so far. Nothing is compared in scenes whose statistics are not tested.
+    /// Compares the results of both panels so far. Nothing is compared at the start, and in scenes whose panels do not
+    /// measure averages.
     pub fn judge(&mut self) {
         let [Some(left), Some(right)] = [self.panels[0].outcome(), self.panels[1].outcome()] else { return };
         let outcomes = [left, right];
