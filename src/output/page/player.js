@@ -1,18 +1,19 @@
-// Shows recorded particles of several variants side by side, with one slider of time. Works on every <section class="player"> whose script
-// element of type application/json holds the recording (player.rs says what is in it); draws with scene.js. Nothing moves unasked.
+// Shows recorded particles of several variants (experiments of a case) side by side, with one slider for the time. The script works on every
+// <section class="player"> with a script element of the type application/json, which contains the recording (src/output/player/mod.rs
+// describes its contents). It draws with scene.js. Nothing moves until the reader starts the animation.
 "use strict";
 (() => {
-  const SHOWN = 3; // panels side by side
+  const SHOWN = 3; // number of panels side by side
   const WHOLE = 12; // [s] in which the whole recording is played
   const CLOSE = 4; // [s] in which the interval around a contact is played
-  const WIDE = 9; // [diameters] seen of the scene around a contact
+  const WIDE = 9; // [diameters] width of the part of the scene that is shown around a contact
   const LONG = 30; // largest number of frames over which a contact is followed
-  const SAMPLES = 30; // frames from which the range of the colour scale is computed
+  const SAMPLES = 30; // number of frames from which the range of the colour scale is computed
   const STEPS = 24; // steps in which the recording is played if the reader prefers reduced motion
 
   const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 
-  // Numbers of a variant: frame by frame, particle by particle.
+  // Decodes the recorded numbers of a variant. Each array is ordered by frame, then by particle.
   function decode(variant) {
     const data = bytes(variant.data).buffer;
     const [frames, count] = [variant.times.length, variant.radius.length];
@@ -42,7 +43,8 @@
     return low;
   }
 
-  // Between two frames a particle flies, collides at most once, and flies: the instant is where both flights meet.
+  // Position and velocity of a particle between two frames. It is assumed to collide at most once between them: the
+  // collision is at the instant at which the flight from the first frame and the flight to the next frame are nearest.
   const [way, apart, change] = [[0, 0, 0], [0, 0, 0], [0, 0, 0]];
   function fly(scene, variant, k, particle, time, out) {
     const next = Math.min(k + 1, variant.times.length - 1);
@@ -57,7 +59,7 @@
       const g = scene.gravity[axis];
       way[axis] = ((variant.position[b + axis] - variant.position[a + axis]) * size) / 65535;
       if (scene.periodic[axis]) way[axis] -= size * Math.round((way[axis] - 0.5 * (va + vb) * long) / size);
-      // flight from this frame minus flight back from the next frame: difference of position at the start, and its change per time
+      // flight from this frame minus flight back from the next frame: difference of the positions at the start, and its change per time
       apart[axis] = vb * long - 0.5 * g * long * long - way[axis];
       change[axis] = va - vb + g * long;
       product += apart[axis] * change[axis];
@@ -70,7 +72,7 @@
       const va = variant.velocity[a + axis] * variant.unit;
       const vb = variant.velocity[b + axis] * variant.unit;
       const g = scene.gravity[axis];
-      // the distance that remains between both flights, by drag or further collisions, is divided equally between them
+      // drag or further collisions leave a distance between both flights; half of it is added to each flight
       const left = 0.5 * (apart[axis] + meet * change[axis]);
       let x;
       if (scene.linear || long <= 0) x = from + (long > 0 ? (way[axis] * s) / long : 0);
@@ -83,7 +85,7 @@
     }
   }
 
-  // All particles of a variant at a time. After the end of the recording they stay as in the last frame.
+  // All particles of a variant at the time `time`. After the end of the recording, the particles stay as in the last frame.
   function frameAt(scene, variant, time, out) {
     const k = interval(variant.times, Math.min(time, variant.last));
     const next = Math.min(k + 1, variant.times.length - 1);
@@ -129,7 +131,7 @@
     return Math.hypot(...[0, 1, 2].map((axis) => (variant.velocity[b + axis] - variant.velocity[a + axis]) * variant.unit - scene.gravity[axis] * long));
   }
 
-  // The first interval after a time in which a particle of one of the variants is struck: { particle, from, to }.
+  // First interval after the time `time` in which a particle of one of the variants collides: { particle, from, to }.
   function contact(scene, variants, time) {
     const found = [];
     for (const variant of variants) {
@@ -155,7 +157,7 @@
       }
     }
     const [first] = found.sort((a, b) => a.from - b.from);
-    // the interval ends with the last contact of those that overlap the first in time, so that each is shown whole
+    // contacts that overlap in time with the first one extend the interval, so that each of them is shown completely
     return first && { ...first, to: Math.max(...found.filter((one) => one.from <= first.to).map((one) => one.to)) };
   }
 
@@ -200,7 +202,7 @@
     if (Math.max(...variants[0].species) > 0) colours.push(["species", "species"]);
     const views = [["zy", "z to the right, y up"], ["xy", "x to the right, y up"], ["xz", "x to the right, z up"], ["3d", "in three dimensions"]];
     const controls = make("div", { class: "controls" }, play, slow, whole);
-    // a recording of one impact is slow motion as a whole
+    // a recording of one impact is completely in slow motion
     slow.hidden = scene.magnified;
     if (colours.length > 1) {
       controls.append(choice("colour by", colours, (colour) => {
@@ -228,7 +230,7 @@
     section.querySelector(".panels").before(controls);
     section.querySelector(".panels").after(time, legend, said);
 
-    // ranges and legend, after a choice
+    // Updates the range of the colours and the legend after the reader has chosen a view or a colour.
     function settle() {
       let [low, high] = [Infinity, -Infinity];
       for (const panel of panels) {
@@ -268,7 +270,7 @@
         }
         diptych.drawScene(canvas, sceneOf(scene, variant), frame, options);
       }
-      // after all panels: a text that changes makes the browser lay out the page again
+      // texts are changed after all panels are drawn, because a changed text makes the browser lay out the page again
       for (const panel of panels) {
         const words = describe(panel);
         if (panel.words.textContent !== words) panel.words.textContent = words;

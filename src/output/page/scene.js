@@ -1,5 +1,5 @@
-// Draws spheres of one instant on a canvas: for the player of a report, and for any other page of this program. No other file is
-// needed; colours come from the custom properties of the page (style.css), so that light and dark follow the reader's choice.
+// Draws spheres at one instant on a canvas, for the player of a report and for other pages of this program. No other file is needed. The
+// colours are custom properties of the page (style.css), so that they follow the reader's choice of a light or a dark page.
 //
 //     diptych.drawScene(canvas, scene, frame, options)
 //
@@ -38,14 +38,14 @@ var diptych = diptych || {};
   const SCALE = [[50, 56, 138], [36, 86, 150], [27, 121, 142], [62, 157, 121], [142, 188, 82], [236, 214, 70]];
   const SOLVERS = ["flew straight", "in an island: may touch within this window", "moved together with all others"];
   const MARGIN = 10; // [px] around the box
-  const TOUCH = 1e-9; // overlap over diameter up to which spheres only touch: such numbers are rounding
+  const TOUCH = 1e-9; // overlap over diameter up to which spheres only touch; such small numbers are rounding errors
 
-  // [r, g, b] of a custom property of the page that is written as #rrggbb
+  // Red, green and blue [r, g, b] of a custom property of the page that is written as #rrggbb.
   const hex = (text) => [1, 3, 5].map((k) => parseInt(text.trim().slice(k, k + 2), 16) || 0);
   const css = (rgb) => `rgb(${rgb.map(Math.round).join(",")})`;
   const mix = (a, b, share) => a.map((part, k) => part + (b[k] - part) * share);
 
-  // The colours of the page around an element, as they are now: looked up again after a moment, since the reader may change them.
+  // Present colours of the page around an element. They are looked up again after a moment, because the reader may change them.
   let [colours, looked, fineness] = [null, -Infinity, 1];
   const MOMENT = 300; // [ms]
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => (looked = -Infinity));
@@ -85,7 +85,7 @@ var diptych = diptych || {};
     return { right, up, towards: cross(right, up) };
   };
 
-  // Makes the canvas as fine as the screen; gives a context that counts in CSS pixels.
+  // Gives the canvas the resolution of the screen. Returns a drawing context whose lengths are CSS pixels.
   diptych.fit = (canvas) => {
     const fine = window.devicePixelRatio || 1;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -96,7 +96,7 @@ var diptych = diptych || {};
     return { context, width, height };
   };
 
-  // Functions that give the position of a point in the picture and its depth, and the scale of the picture.
+  // Returns functions that give the position of a point in the picture and the depth of the point, and the scale of the picture.
   function camera(scene, options, width, height) {
     const view = options.view && options.view.right ? options.view : diptych.view(options.view || "xy");
     const along = (direction, x, y, z) => direction[0] * x + direction[1] * y + direction[2] * z;
@@ -115,7 +115,7 @@ var diptych = diptych || {};
     }
     const [left0, top0] = [width / 2 - middle[0] * scale, height / 2 + middle[1] * scale];
     const place = (x, y, z) => [left0 + along(view.right, x, y, z) * scale, top0 - along(view.up, x, y, z) * scale];
-    // 0 at the far end of the box, 1 at the near one
+    // depth of a point: 0 at the far end of the box, 1 at the near end
     const depth = (x, y, z) => (near > far ? (along(view.towards, x, y, z) - far) / (near - far) : 1);
     return { place, depth, scale };
   }
@@ -176,7 +176,7 @@ var diptych = diptych || {};
 
   const isScale = (colour) => colour === "speed" || colour === "overlap" || colour === "spin";
 
-  // Numbers of colours: 0 … 40 the scale, 41 a particle without a value or that flew straight, 42 … 49 the series.
+  // Numbers of colours: 0 … 40 are those of the scale, 41 is that of a particle that has no value or flew straight, 42 … 49 are those of series.
   const NOTHING = 41;
   function colourOf(found, colour, range) {
     if (found === null || (colour === "solver" && found === 0)) return NOTHING;
@@ -186,7 +186,7 @@ var diptych = diptych || {};
   }
   const rgb = (number, colours) => (number < NOTHING ? STEPS[number] : number === NOTHING ? colours.sphere : colours.series[number - NOTHING - 1]);
 
-  // A sphere as a small picture, made once for each colour and size: copying it is much faster than drawing it.
+  // A small picture of a sphere is made once for each colour and size, because copying it is much faster than drawing a sphere.
   const LARGE = 24; // [px] radius above which a sphere is drawn each time
 
   function paint(context, x, y, radius, fill, edge) {
@@ -200,7 +200,7 @@ var diptych = diptych || {};
     context.stroke();
   }
 
-  // Picture of a sphere (sprite). Fading and size are rounded to steps too small to be seen, so that there are few pictures.
+  // Picture of a sphere (sprite). Fading and size are rounded to steps that are too small to be seen, so that few pictures are needed.
   function sprite(number, fade, radius, fine, colours) {
     const size = Math.round(radius * 2);
     const key = (number * 16 + fade) * 64 + size;
@@ -305,7 +305,7 @@ var diptych = diptych || {};
     }
     if (found.length === 0) return colour === "overlap" ? [0, 0] : [0, 1];
     found.sort((a, b) => a - b);
-    // one particle that is much faster than all others must not take the whole scale
+    // the fastest and slowest particles are left out, because one particle much faster than all others would take the whole scale
     const highest = found[Math.min(Math.floor(found.length * 0.995), found.length - 1)];
     const lowest = colour === "overlap" ? 0 : found[Math.floor(found.length * 0.005)];
     return highest - lowest > 1e-3 * Math.abs(highest) ? [lowest, highest] : [0, highest || 1];
@@ -315,7 +315,7 @@ var diptych = diptych || {};
     if (!Number.isFinite(value)) return "–";
     const prefixes = [["G", 1e9], ["M", 1e6], ["k", 1e3], ["", 1], ["m", 1e-3], ["µ", 1e-6], ["n", 1e-9], ["p", 1e-12]];
     const size = Math.abs(value);
-    // all smaller numbers get the last prefix
+    // numbers too small for all prefixes get the last prefix
     const [prefix, factor] = prefixes.find(([, factor]) => size >= factor * 0.9995) || prefixes[size > 0 ? 7 : 3];
     const number = value / factor;
     const places = Math.max(digits - 1 - Math.floor(Math.log10(Math.abs(number) || 1)), 0);
@@ -329,7 +329,7 @@ var diptych = diptych || {};
     return made;
   };
 
-  // A patch of colour for the legend: of a series, or of particles without a value (null).
+  // Makes a patch of colour for the legend: that of a series or, for null, that of particles without a value.
   function patch(series, text) {
     const made = element("span", "scene-key");
     const colour = element("span", "scene-patch");
