@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use tempfile::NamedTempFile;
 
-/// Name of the summary file, which is written last. It exists only if all other results are complete.
+/// Name of the summary file, which is written last. It exists only if all other files of the report are complete.
 pub const SUMMARY: &str = "summary.json";
 
 /// Name of the subfolder with the pictures.

@@ -5,9 +5,9 @@
 //! a terminal, and JSON for the summary. The writers compute no physics. [`Folder`] writes each file completely or not
 //! at all. Files use SI units; pictures and pages use SI prefixes.
 //!
-//! The functions `write_…` write a whole folder, with `summary.json` last: this file exists only if all files are
-//! complete. [`write_part`] writes the folder without the summary, after each variant of a comparison. A variant is one
-//! of the experiments of a case.
+//! The functions `write_…` write a whole folder, with `summary.json` last. This file exists only if all files of the
+//! report are complete; `diptych run --budgets` writes the budgets later. [`write_part`] writes the folder without the
+//! summary, after each variant of a comparison. A variant is one of the experiments of a case.
 
 mod chart;
 pub mod csv;
