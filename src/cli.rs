@@ -93,7 +93,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// Changes of keys, each as `key=value`: those of `--set`, then those of flags such as `--relax`.
+    /// Changes of keys of the case, each as `key=value`: those of `--set`, then those of flags such as `--relax`.
     pub fn sets(&self) -> Vec<String> {
         let relax = self.relax.then(|| "run.relax=true".to_owned());
         self.set.iter().cloned().chain(relax).collect()
@@ -198,12 +198,13 @@ pub struct Run {
     #[arg(long)]
     pub budgets: bool,
     /// Continues the run twice by a fifteenth of its length: once with the same settings, once with half the time step
-    /// and half the window. Reports the difference; costs about a fifth of the run.
+    /// and half the window (time between two exchanges with the gas). Reports the difference; costs about a fifth of
+    /// the run.
     #[arg(long)]
     pub verify: bool,
     /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
-    /// the same as --set output.every="1 ms". Windows also end at these times, which may change the last digits of
-    /// results.
+    /// the same as --set output.every="1 ms". Windows (times between two exchanges with the gas) also end at these
+    /// times, which may change the last digits of results.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub every: Option<String>,
     /// Shows the run on a page while it goes on, and prints the address of the page. Only browsers on this machine can
@@ -318,8 +319,8 @@ pub struct Check {
 pub struct FluidArguments {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
-    /// Also draws the gas among the particles, which a finished run of this case with [fluid.coupling] has written to
-    /// the folder RUN.
+    /// Also draws the gas profiles that a finished run of this case with two-way coupling ([fluid.coupling]) has
+    /// written to the folder RUN.
     #[arg(long, value_name = "RUN")]
     pub after: Option<PathBuf>,
     #[command(flatten)]
@@ -344,7 +345,7 @@ pub struct ImpactArguments {
 pub struct Chart {
     /// The case file, or the name of a built-in case: one impact, or many particles.
     pub case: PathBuf,
-    /// Uses fewer values of each parameter, and a tenth of the time for many particles.
+    /// Uses fewer values of each parameter and, for scenes of many particles, a tenth of the simulated time.
     #[arg(long)]
     pub quick: bool,
     #[command(flatten)]
@@ -402,8 +403,8 @@ pub struct Lab {
     /// Port of this machine for the page [default: any free port].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub port: Option<u16>,
-    /// Writes a page with one scene to this file instead, with recorded runs over the values of its sliders. The page
-    /// works without the program and without a network. An existing file is never replaced.
+    /// Writes a page with one scene to this file instead of serving the lab. The page contains recorded runs for the
+    /// values of its sliders, and works without the program and without a network. An existing file is never replaced.
     #[arg(long, value_name = "FILE", conflicts_with = "port")]
     pub export: Option<PathBuf>,
     /// Scene of the exported page, such as impact, cradle, cooling or heap.
@@ -426,8 +427,8 @@ pub struct Init {
 pub struct Keys {
     /// Explains only this table and the tables within it, such as soft or walls.plane [default: all].
     pub table: Option<String>,
-    /// Prints a JSON schema of a case for editors; with Even Better TOML: `#:schema diptych.schema.json` at the top of
-    /// a case.
+    /// Prints a JSON schema, by which editors check a case. With the extension Even Better TOML, put the line
+    /// `#:schema diptych.schema.json` at the top of a case.
     #[arg(long, conflicts_with = "table")]
     pub schema: bool,
     /// Prints Markdown: the page docs/keys.md.

@@ -50,8 +50,9 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// Prints the message of the command-line parser in colours. Control characters in the message would act on the
-/// terminal. A message with such characters is printed without colours, and the characters appear in the form `\u{1b}`.
+/// Prints the message of the command-line parser: in colours if it contains no control characters. Control characters
+/// would act on the terminal. A message with such characters is printed without colours, and the characters appear in
+/// the form `\u{1b}`.
 fn say(why: &clap::Error) -> std::io::Result<()> {
     let plain = why.render().to_string();
     let shown = legible::lines(&plain);
@@ -62,8 +63,8 @@ fn say(why: &clap::Error) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Runs a command and returns the exit code of a success. With `--exit-code` the code of a comparison or of the
-/// validation depends on its answer (see [`verdict`]); otherwise the code is 0.
+/// Runs a command and returns its exit code if it succeeds. With `--exit-code` the code of a comparison, a validation
+/// or a study of factors (`sensitivity`, `needs`) depends on its answer (see [`verdict`]). Otherwise the code is 0.
 fn command(command: Command, ranks: &Ranks) -> Result<u8, StudyError> {
     let done = match command {
         #[cfg(feature = "lab")]
@@ -107,14 +108,14 @@ fn exit_code(result: &Result<u8, StudyError>) -> u8 {
         Ok(code) => *code,
         Err(StudyError::Failed(_)) => 1,
         Err(StudyError::Input(_)) => 2,
-        // shells use 128 plus the number of the signal for a program ended by Ctrl-C
+        // shells use 128 plus the number of the signal, which is 2 for Ctrl-C
         Err(StudyError::Stopped(_)) => 130,
     }
 }
 
-/// Exit code for the answer of a comparison: 0 for equivalent, 3 for different, 4 for unresolved. It is 0 if `answer`
-/// is `None` (no comparison), or if `asked` is false because `--exit-code` was not given. Codes 1 and 2 stand for
-/// failures and bad input.
+/// Exit code for the answer of a comparison: 0 for equivalent, 3 for different, 4 for unresolved. The code is 0 if
+/// `answer` is `None` (no comparison), or if `asked` is false because `--exit-code` was not given. Codes 1 and 2 stand
+/// for failures and bad input.
 fn verdict(asked: bool, answer: Option<Answer>) -> u8 {
     match answer.filter(|_| asked) {
         None | Some(Answer::Equivalent) => 0,

@@ -15,9 +15,8 @@ pub struct StoredCommand {
     pub folder: OsString,
     /// Checksum of the text of the case, by which a changed case is detected.
     pub case: u32,
-    /// Identities of the runs of the command, in the order of its list of runs. Replicas of a variant (runs of one
-    /// experiment with different seeds) have one name, and only the identity of the first replica is stored. Empty for
-    /// a sweep.
+    /// Identities of the runs of the command, in the order of its list of runs. Replicas (runs of one experiment with
+    /// different seeds) have one name, and only the identity of the first replica is stored. Empty for a sweep.
     pub runs: Vec<RunIdentity>,
 }
 

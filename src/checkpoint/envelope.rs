@@ -7,8 +7,9 @@ use serde::de::DeserializeOwned;
 /// First bytes of every checkpoint file, by which such a file is recognized.
 const MAGIC: &[u8] = b"diptych checkpoint\n";
 
-/// Version of the layout of the data. This number must be raised whenever a stored type or the arithmetic of a run
-/// changes, because the file does not describe its types.
+/// Version of the layout of the data. This number must be raised whenever a stored type changes, because the file does
+/// not describe its types. It must also be raised if the arithmetic of a run changes, because a continued run must
+/// give the results of an uninterrupted one.
 const LAYOUT: u32 = 44;
 
 /// Length of the checksum at the end of a file, in bytes.

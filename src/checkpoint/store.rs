@@ -18,7 +18,7 @@ const GENERATIONS: [&str; 2] = ["a", "b"];
 /// Prefix of the names of files that contain finished runs.
 const DONE: &str = "done-";
 
-/// Data of one run in a checkpoint: its state, and its end if the run is over.
+/// Data of one run in a checkpoint: its state, and its outcome if the run is over.
 #[derive(Serialize, Deserialize)]
 pub struct StoredRun {
     /// State of the run, from which the run continues.
@@ -30,10 +30,11 @@ pub struct StoredRun {
 /// Reads and writes the files of a checkpoint, which are in a subfolder of a folder of results.
 pub struct Store {
     place: PathBuf,
-    /// Names of the two files in which the states of a run are stored in turn, so that the two newest states are kept.
+    /// Names of the two files to which the states of a run are written in turn. So the two newest states are always
+    /// kept.
     generations: [String; 2],
-    /// Number of the next generation. Generations with even numbers are written to the first file, those with odd
-    /// numbers to the second.
+    /// Number of the next generation (stored state of the run). Generations with even numbers are written to the first
+    /// file, those with odd numbers to the second.
     next: u64,
 }
 
@@ -117,13 +118,14 @@ impl Store {
 
     fn read_part(&self, of: &str, (age, run): (u64, &RunIdentity), number: usize) -> Result<Vec<u8>, Unreadable> {
         let (found, whose, part) = self.read::<(u64, RunIdentity, Vec<u8>)>(&part_of(of, number))?;
-        // the data belong to another generation if the program was stopped before all processes had written their files
+        // the data belong to another stored state if the program was stopped before all processes had written their
+        // files
         if (found, &whose) == (age, run) { Ok(part) } else { Err(Unreadable::Damaged) }
     }
 
-    /// Checks for a stored state that the files with the data of the single processes can be read. `of` is the name of
-    /// the file with the other data of this state, and `whose` the number of its generation and the run. If a file
-    /// cannot be read, its path and the reason are returned as the error.
+    /// Checks that the files of a stored state with the data of the single processes can be read. `of` is the name of
+    /// the file with the other data of this state. `whose` contains the generation number of the state, and its run.
+    /// If a file cannot be read, its path and the reason are returned as the error.
     fn has_parts(&self, of: &str, whose: (u64, &RunIdentity), kept: &StoredRun) -> Result<(), (PathBuf, Unreadable)> {
         (0..kept.pause.snapshot.parts).try_for_each(|number| {
             let read = self.read_part(of, whose, number).map(drop);
@@ -160,8 +162,9 @@ impl Store {
         Newest { found: newest.map(|(_, run, kept)| (run, kept)), refused }
     }
 
-    /// Stores the final state of a run with the data of its observers (measurements during the run), or the result that
-    /// was computed from them. The separate state files of one of several concurrent runs are then removed.
+    /// Stores the final state of a run with the data of its observers (measurements during the run), or the result
+    /// that was computed from them. If several runs are done at the same time, the separate files with states of this
+    /// run are then removed.
     ///
     /// # Errors
     /// Returns an error if a file cannot be written.
@@ -190,7 +193,8 @@ impl Store {
         }
     }
 
-    /// Reads the result of a run; `None` if no readable result of this run is stored in place of its final state.
+    /// Reads the result of a run, which a sweep stores in place of the final state. `None` if there is no such result,
+    /// or if it cannot be read or belongs to another run.
     pub fn result(&self, run: &RunIdentity) -> Option<Vec<u8>> {
         let (of, result) = self.read::<(RunIdentity, Vec<u8>)>(&done(run)).ok()?;
         (of == *run).then_some(result)

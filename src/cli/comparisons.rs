@@ -10,20 +10,21 @@ pub struct Compare {
     /// The case file, or the name of a built-in case.
     pub case: PathBuf,
     /// Continues the run twice by a fifteenth of its length: once with the same settings, once with half the time step
-    /// and half the window. Reports the difference; costs about a fifth of the run.
+    /// and half the window (time between two exchanges with the gas). Reports the difference; costs about a fifth of
+    /// the run.
     #[arg(long)]
     pub verify: bool,
     /// Writes the particles at regular intervals for ParaView, OVITO and ASE (trajectory/), such as --every "1 ms";
-    /// the same as --set output.every="1 ms". Windows also end at these times, which may change the last digits of
-    /// results.
+    /// the same as --set output.every="1 ms". Windows (times between two exchanges with the gas) also end at these
+    /// times, which may change the last digits of results.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub every: Option<String>,
     /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
     pub margin: f64,
-    /// Runs replicas of every variant in batches of four and tests the answers after each batch. Stops when every
-    /// answer is "equivalent" or "different", or when --replicas of each (64 if it is not given) are used up. The
-    /// probabilities of wrong answers apply to all tests together.
+    /// Runs replicas (runs with other seeds) of every variant in batches of four and tests the answers after each
+    /// batch. Stops when every answer is "equivalent" or "different", or when each variant has as many runs as
+    /// --replicas allows (64 if it is not given). The probabilities of wrong answers apply to all tests together.
     #[arg(long)]
     pub until_decided: bool,
     /// Also gives the answer by the exit code: 0 if all are equivalent, 3 if some are different, 4 if some are

@@ -35,7 +35,7 @@ pub struct NeededModels {
 }
 
 impl NeededModels {
-    /// Arguments of the sensitivity study by which the needs are found.
+    /// Arguments of the sensitivity study from which `needs` computes its answer.
     pub fn as_sensitivity(&self) -> Sensitivity {
         let Self { case, runs } = self.clone();
         Sensitivity { case, factors: Vec::new(), vary: Vec::new(), runs }
@@ -45,8 +45,8 @@ impl NeededModels {
 /// Options of the commands that change a case by one factor at a time: `sensitivity` and `needs`.
 #[derive(Clone, Debug, Args)]
 pub struct FactorRuns {
-    /// Collision model of the case with which the others are compared [default: that of the case; for `needs` soft, if
-    /// the case gives a contact law].
+    /// Collision model of the unchanged case, with which all changed cases are compared [default: that of the case;
+    /// for `needs` soft, if the case gives a contact law].
     #[arg(long, value_parser = PossibleValuesParser::new(MODELS.map(Model::name)).try_map(model_of))]
     pub model: Option<Model>,
     /// Simulated time of each run; the same as --set run.duration=TIME.

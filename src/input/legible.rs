@@ -42,7 +42,7 @@ pub fn lines(text: &str) -> Cow<'_, str> {
 }
 
 /// A message of one line made safe to display: characters that would act on a terminal or change the direction of
-/// writing are replaced by escapes. It is cut after `MESSAGE` characters.
+/// writing are replaced by escapes. The text is cut after `MESSAGE` characters.
 pub fn message(text: &str) -> Cow<'_, str> {
     let is_long = text.len() > MESSAGE && text.chars().nth(MESSAGE).is_some();
     if !is_long && !text.contains(acts) {
@@ -96,8 +96,8 @@ fn is_formula(text: &str) -> bool {
     text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
 }
 
-/// Text of a table cell that a spreadsheet does not compute. An apostrophe is put before a text that a spreadsheet
-/// could read as a formula; numbers stay unchanged.
+/// Text of a table cell, changed so that a spreadsheet does not compute it. An apostrophe is put before a text that a
+/// spreadsheet could read as a formula; numbers stay unchanged.
 pub fn cell(text: String) -> String {
     let is_number = || text.parse::<f64>().is_ok_and(f64::is_finite);
     if !is_formula(&text) || is_number() { text } else { format!("'{text}") }

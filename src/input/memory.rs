@@ -1,4 +1,4 @@
-//! Memory that this process may still use, and the message for runs that need more.
+//! Memory that this process may still use, and the message about a run that needs more memory.
 //!
 //! An allocation that fails ends the program without a message. The program therefore compares the size of large data
 //! with the free memory before it allocates them.

@@ -12,7 +12,7 @@ use std::borrow::Cow;
 pub enum AgainstFile {
     /// Name of another variant.
     Variant(String),
-    /// File with a table of values, relative to the case.
+    /// Path of a file with a table of values, relative to the folder of the case.
     Table(Located<String>),
 }
 

@@ -1,5 +1,5 @@
-//! Reads the tree of a case into the types of [`super::file`] through serde, and keeps the source position of each
-//! value.
+//! Reads the tree of a case into the types of [`super::file`] through serde. The source position of each value is
+//! kept.
 //!
 //! The code that serde derives for each table contains the keys of that table. This deserializer walks through the tree
 //! and gives the values to that code. If a value does not fit its type, the error contains the source position of the
@@ -24,7 +24,7 @@ pub(in crate::case) const HELP_MARK: &str = "\u{1}help: ";
 /// the caller.
 #[derive(Clone, Debug)]
 pub struct Error {
-    // boxed, as the place is: each type that is read passes errors on
+    // both fields are boxed to keep the results of all functions small, because every function passes errors on
     kind: Box<ReadErrorKind>,
     at: Option<Box<(Origin, String)>>,
 }
@@ -87,8 +87,8 @@ impl Error {
     }
 }
 
-/// List that was typed in an argument `--set` without quotes, such as `[x, y]`, with quotes around each text. Without
-/// quotes the whole list would be one string. `None` for other texts, and for lists of lists or tables.
+/// Adds quotes around each text of a list that was typed without them, such as `[x, y]` in an argument `--set`. Such a
+/// list is read as one string. `None` for other texts, and for lists of lists or tables.
 fn with_quotes(typed: &str) -> Option<String> {
     let inside = typed.strip_prefix('[')?.strip_suffix(']').filter(|inside| !inside.contains(['[', '{', '\'']))?;
     let parts = inside.split(',').map(str::trim).filter(|part| !part.is_empty());
@@ -192,11 +192,12 @@ pub fn read<'de, T: Deserialize<'de>>(root: &'de CaseNode) -> Result<T, Error> {
     T::deserialize(NodeDeserializer::new(root, String::new()))
 }
 
-/// Table without entries, of which a law consists that is typed by its name alone, as in `drag = "stokes"`.
+/// Empty table. It stands for the parameters of a law that is typed by its name alone, as in `drag = "stokes"`.
 static NO_ENTRIES: Value = Value::Table(Vec::new());
 
-/// Value of a case to be read, with its source position and its key path. Generic functions here are made once for each
-/// type in a case file, so they leave to others all that depends on no type.
+/// Value of a case to be read, with its source position and its key path. The compiler makes each generic function of
+/// this type once for every type in a case file. Code that depends on no type is therefore in functions that are not
+/// generic.
 #[derive(Clone)]
 struct NodeDeserializer<'de> {
     value: &'de Value,
@@ -213,7 +214,7 @@ impl<'de> NodeDeserializer<'de> {
         Error::new(ReadErrorKind::WrongType { found: self.value.kind().into(), expected }).at(self.origin, &self.path)
     }
 
-    /// Entries of the value.
+    /// Keys and values of this value, which must be a table.
     ///
     /// # Errors
     /// The value is not a table.
@@ -224,10 +225,10 @@ impl<'de> NodeDeserializer<'de> {
         }
     }
 
-    /// Name in the value, with the table of its parameters.
+    /// Name of a law in the value, with the table of its parameters. `names` are the allowed names, for the message.
     ///
     /// # Errors
-    /// The value is neither a name nor a table with one key, which is one of `names`.
+    /// The value is neither a name nor a table with exactly one key.
     fn name(&self, names: &[&str]) -> Result<NameAccess<'de, '_>, Error> {
         let path = &self.path;
         match self.value {
@@ -359,10 +360,10 @@ impl<'de> ListAccess<'de, '_> {
         Some(NodeDeserializer::new(node, path))
     }
 
-    /// Ends the list.
+    /// Checks that all elements of the list have been read.
     ///
     /// # Errors
-    /// Elements are left that no type takes.
+    /// The list has more elements than its type takes.
     fn end(&self) -> Result<(), Error> {
         let (read, all) = (self.next, self.items.len());
         if read == all {
@@ -384,8 +385,8 @@ impl<'de> SeqAccess<'de> for &mut ListAccess<'de, '_> {
     }
 }
 
-/// Sequence of the same value, any number of times. From it serde reads a
-/// [`Located`](super::located::Located): first the place, then the value.
+/// Sequence that returns one value any number of times. From this sequence serde reads a
+/// [`Located`](super::located::Located): first the place of the value, then the value.
 struct SameValue<'de>(NodeDeserializer<'de>);
 
 impl<'de> SeqAccess<'de> for SameValue<'de> {
@@ -420,7 +421,7 @@ impl<'de> SeqAccess<'de> for PlaceAccess<'de> {
     }
 }
 
-/// Choice of a law by its name, with or without a table of its parameters, from which serde reads an enum.
+/// Name of a law, with or without a table of its parameters. From this pair serde reads an enum of laws.
 struct NameAccess<'de, 'p> {
     name: &'de str,
     origin: &'de Origin,
@@ -443,10 +444,10 @@ impl<'de, 'p> EnumAccess<'de> for NameAccess<'de, 'p> {
     }
 }
 
-/// Table of the parameters of a law, from which serde reads the variant of an enum.
+/// Table of the parameters of a law. From this table serde reads the variant of the enum that stands for the law.
 struct ContentAccess<'de> {
     content: NodeDeserializer<'de>,
-    /// The case contains a table, not the name of the law alone.
+    /// True if the case contains a table, false if it contains the name of the law alone.
     is_typed: bool,
 }
 

@@ -32,7 +32,7 @@ pub fn describe_variants<'a>(variants: impl IntoIterator<Item = &'a Experiment>)
         let own = own.chain(own_run.lines().filter(|line| !run.contains(line)));
         let line = std::iter::once(model.trim_start_matches("Model ")).chain(own).collect::<Vec<_>>().join(" ");
         let line = format!("\"{}\": {line}\n", experiment.name);
-        // at several points of a sweep, a variant may have the same settings, and its line is then written once
+        // a variant may have the same settings at several points of a sweep; its line is then written once
         if !text.contains(&line) {
             text += &line;
         }
@@ -335,7 +335,8 @@ fn gas_in_words(text: &mut String, scene: &Scene) {
     }
 }
 
-/// Adds to `text` a description of the turbulence that particles see, and of their expected response to it.
+/// Adds to `text` a description of the turbulence that particles see, and of the agitation (kinetic energy of velocity
+/// fluctuations) that they are expected to get from it.
 fn turbulence_in_words(text: &mut String, (scene, fluid): (&Scene, &Fluid), turbulence: &Turbulence) {
     let (profile, height) = (&fluid.profile, scene.domain.size.y);
     let mean = |of: fn(&LocalTurbulence) -> f64| -> f64 {
@@ -469,7 +470,7 @@ fn time(seconds: f64) -> String {
 }
 
 /// Text of a number with at most `places` decimal places, without zeros at its end. If rounding to these places would
-/// change the number by more than 1 %, the text has a power of ten instead.
+/// change the number by more than 1 %, the text is in scientific notation instead, such as `1.235e-7`.
 fn short(number: f64, places: usize) -> String {
     let text = format!("{number:.places$}");
     if text.parse().is_ok_and(|short: f64| (short - number).abs() > 0.01 * number.abs()) {

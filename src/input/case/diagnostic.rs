@@ -23,7 +23,7 @@ pub struct SourceLocation {
     pub line: usize,
     /// Column in characters, 1 for the first.
     pub column: usize,
-    /// Number of characters that are underlined in the message.
+    /// Number of characters, from the column on, that are underlined in the message.
     pub width: usize,
     /// Text of the line that contains the position.
     pub text: String,

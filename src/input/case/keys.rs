@@ -68,12 +68,12 @@ static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
 static TABLES: LazyLock<Vec<KeyTable>> = LazyLock::new(|| {
     let mut tables = Vec::new();
     collect(&SCHEMA, &SCHEMA, "", false, &mut tables);
-    // the whole case has only tables as keys, and each table has its own description
+    // the table without a name is the case as a whole: all its keys are tables, which are described by themselves
     tables.retain(|table| !table.name.is_empty());
     tables
 });
 
-/// Removes `null`, which schemars adds for an `Option`, from a schema.
+/// Removes the type `null` from a schema. schemars adds it for an `Option`, but TOML has no null.
 fn without_null(schema: &mut Schema) {
     let is_null = |value: &Value| *value == json!("null") || *value == json!({ "type": "null" });
     let Some(map) = schema.as_object_mut() else { return };
@@ -101,8 +101,8 @@ pub fn tables() -> &'static [KeyTable] {
     &TABLES
 }
 
-/// JSON schema of a case, for editors. In every table the schema allows `use` in addition to the keys of
-/// [`file`](mod@super::file).
+/// JSON schema of a case, for editors. In every table the schema allows the key `use` (name of a set of values) in
+/// addition to the keys of [`file`](mod@super::file).
 pub fn schema() -> Value {
     let mut schema = SCHEMA.clone();
     add_limits(&mut schema);
@@ -169,7 +169,7 @@ pub(super) fn inner<'a>(schema: &'a Value, key: Option<&str>) -> Option<&'a Valu
     }
 }
 
-/// True if a schema is a choice between tables, each with the name of a law.
+/// True if a schema is a choice between tables, each with the name of a law as its key.
 pub(super) fn is_choice(schema: &Value) -> bool {
     schema.get("oneOf").is_some() && properties(schema).next().is_some()
 }
@@ -199,7 +199,7 @@ fn is_table(schema: &Value) -> bool {
 fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mut Vec<KeyTable>) {
     let holds_table = |value: &Value| is_table(value) || value.get("items").is_some_and(is_table);
     let inner = properties(schema).filter(|(_, value)| holds_table(value));
-    // a number that a table can replace is both a key and a table
+    // a number that can be replaced by a table, such as a restitution, is both a key and a table
     let keys = properties(schema).filter(|(_, value)| !holds_table(value) || value.get(QUANTITY).is_some());
     // a table that can take the place of a number is described with the key of that number
     if schema.get(QUANTITY).is_none() {

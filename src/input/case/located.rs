@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
 
-/// Value with its source position and its key path, for messages of later checks.
+/// Value of a case, with the source position and the key path that messages about the value contain.
 #[derive(Clone, Debug)]
 pub struct Located<T> {
     /// Value that was read from the case.
@@ -18,10 +18,12 @@ pub struct Located<T> {
     pub path: String,
 }
 
-/// Name of a tuple struct by which [`Located`] requests the place and the value from the deserializer.
+/// Name that [`Located`] passes to the deserializer as the name of a tuple struct. For a struct of this name the
+/// deserializer returns the place of a value and then the value.
 pub(super) const LOCATED: &str = "$located";
 
-/// Name of a unit struct by which [`Place`] requests its fields from the deserializer.
+/// Name that [`Place`] passes to the deserializer as the name of a unit struct. `Place` is the only unit struct in a
+/// case, and the deserializer returns its four fields.
 const PLACE: &str = "$place";
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Located<T> {

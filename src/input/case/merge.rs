@@ -60,7 +60,7 @@ impl CaseNode {
         if let (true, KeyPart::Key(key)) = (is_single, segment)
             && !alternatives(place, key).is_empty()
         {
-            // a law takes the place of a number, or of the name of another law
+            // the table of a law replaces a number, or the name of another law
             *self = CaseNode::empty_table(key_origin.clone());
         }
         let kind = self.value.kind();

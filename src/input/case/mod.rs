@@ -192,8 +192,8 @@ impl Case {
             Some(Value::Array(items)) => items.as_slice(),
             _ => &[],
         };
-        // variants are made from the case without its `[[compare]]` list, because otherwise the list would be read
-        // again for each variant
+        // variants are made from the case without its `[[compare]]` list: with the list, each variant would read it
+        // again
         let mut case = self.tree.clone();
         case.remove("compare");
         let of_the_case = |setting: &&Setting| setting.path.first().is_none_or(|first| !first.is_key("compare"));
@@ -396,11 +396,11 @@ fn heading(text: &str) -> String {
 }
 
 /// Hash of all data that determine the results of a run: the experiment and the version of the program. Names of
-/// variants, their references and the settings of unused models are left out. Runs with equal hashes must give equal
-/// results.
+/// variants, their references (variants or tables with which they are compared) and the settings of unused models are
+/// left out. Runs with equal hashes must give equal results.
 ///
 /// # Errors
-/// An experiment that cannot be written as JSON, which would be an error of the program.
+/// The experiment cannot be written as JSON, which would be an error of the program.
 pub fn fingerprint(experiment: &Experiment) -> Result<String, serde_json::Error> {
     let mut json = serde_json::to_value(experiment)?;
     let others: &[&str] = match experiment.model() {

@@ -1,4 +1,5 @@
-//! Sets of values: named and cited parts of cases in `models/`, included by `use = "particles/polystyrene-406um"`.
+//! Sets of values: parts of cases in `models/`, each with a name and a citation. A case includes a set by
+//! `use = "particles/polystyrene-406um"`.
 
 use super::built_in;
 use super::de::suggestion;
@@ -99,7 +100,7 @@ impl Library {
         let found = self.folders.iter().map(|folder| folder.join(format!("{name}.toml"))).find(|path| path.is_file());
         let (path, text, kind) = match (found, built_in::set(name)) {
             (Some(path), _) => {
-                // folder that contains `models/`
+                // root is the folder that contains `models/`
                 let root =
                     self.folders.iter().find(|folder| path.starts_with(folder)).and_then(|folder| folder.parent());
                 if root.is_some_and(|root| leads_out(&path, root)) {

@@ -72,12 +72,13 @@ fn outlet(outlet: &Outlet) -> Value {
     json!({ "name": outlet.name, key: shape })
 }
 
-/// Shape of a hollow body as JSON, without its sides, which follow from the shape.
+/// Shape of a hollow body (block or cylinder of an inlet or outlet) as JSON. Its sides are left out, because they
+/// follow from the shape.
 fn room(body: &Hollow) -> Value {
     json!(body)["room"].take()
 }
 
-/// Inlet as JSON, with the name of its species. An inlet that never ends has no end.
+/// Inlet as JSON, with the name of its species. The entry `end` of an inlet that stays open is null.
 fn inlet(inlet: &Inlet, scene: &Scene) -> Value {
     let mut value = json!(inlet);
     value["region"] = room(&inlet.region);

@@ -113,7 +113,7 @@ pub(super) const UNITS: &[(&str, Exponents, i32)] = &[
     ("L", [3, 0, 0], -3),
 ];
 
-/// Prefixes and their powers of ten; micro in all its spellings.
+/// Prefixes and their powers of ten. The prefix micro may be written with the letter u or with either Unicode sign.
 pub(super) const PREFIXES: &[(&str, i32)] = &[
     ("p", -12),
     ("n", -9),
@@ -402,7 +402,7 @@ impl<'de, const M: i8, const K: i8, const S: i8> Deserialize<'de> for Quantity<M
 
             fn visit_str<E: Error>(self, text: &str) -> Result<f64, E> {
                 parse(text, self.0).map_err(|error| match error.help {
-                    // the error type of the deserializer splits message and remedy at this mark
+                    // the error of the deserializer is split into message and remedy at this mark
                     Some(help) => E::custom(format_args!("{}{}{}", error.message, super::de::HELP_MARK, help)),
                     None => E::custom(error.message),
                 })

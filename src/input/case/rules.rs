@@ -81,8 +81,8 @@ pub(super) fn is_within(range: &str, number: f64) -> bool {
     })
 }
 
-/// Schema of the value at a path such as `particles[].sizes`; `None` if there is no such key. The brackets may contain
-/// any index.
+/// Schema of the value at a path such as `particles[].sizes`; `None` if there is no such key. Any index may stand in
+/// the brackets.
 fn schema_at(path: &str) -> Option<&'static Schema> {
     path.split('.').filter(|part| !part.is_empty()).try_fold(root(), |schema, part| {
         let (key, brackets) = part.split_at(part.find('[').unwrap_or(part.len()));
@@ -139,8 +139,8 @@ fn collect<'a>(node: &'a CaseNode, schema: &'static Schema, path: String, found:
     }
 }
 
-/// Keys that are always required and that a case lacks, and groups without the one key that they require, in the order
-/// in which the types of a case declare them.
+/// Required keys that a case lacks: keys that are always required, and groups of which one key is required and none is
+/// given. They are in the order in which the types of a case declare them.
 pub(super) fn missing(tree: &CaseNode) -> Vec<MissingKey<'_>> {
     let mut found = Vec::new();
     for table in tables(tree) {

@@ -114,8 +114,8 @@ impl Sources {
             });
         }
         let text = &source.text;
-        // the range of an empty or incomplete text may end within a character: both ends are moved to a character
-        // boundary
+        // the range in an empty or incomplete text may begin or end within a character of several bytes: both ends are
+        // moved to a character boundary
         let mut start = origin.span.start.min(text.len());
         while !text.is_char_boundary(start) {
             start -= 1;

@@ -140,8 +140,8 @@ fn argument(text: &str, sources: &mut Sources) -> Result<SweepAxis, Diagnostic> 
     Ok(SweepAxis::new(text[..start - 1].trim().to_owned(), settings, sources))
 }
 
-/// Parts of a text between commas, each with its byte position in the text. Commas inside brackets and quotes divide
-/// nothing.
+/// Parts of a text between commas, each with its byte position in the text. A comma inside brackets or quotes does not
+/// end a part.
 fn split(text: &str) -> Vec<(usize, &str)> {
     let (mut parts, mut begin, mut depth, mut quote) = (Vec::new(), 0, 0, None);
     for (place, c) in text.char_indices() {

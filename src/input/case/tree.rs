@@ -61,7 +61,7 @@ pub struct Entry {
     pub node: CaseNode,
 }
 
-/// Path of a key in the table at the path `place`: `place.key`, or only `key` if the table is the case itself.
+/// Path of the key `key` in the table at the path `place`: `place.key`, or only `key` if the table is the case itself.
 pub fn child_place(place: &str, key: &str) -> String {
     if place.is_empty() { key.to_string() } else { format!("{place}.{key}") }
 }
@@ -133,7 +133,8 @@ pub fn parse_path(text: &str) -> Result<Vec<KeyPart>, String> {
     let bad = |why: &str| format!("`{}` is not a key such as `particles[0].count`: {why}", quote(text));
     let mut path = Vec::new();
     for part in text.split('.') {
-        // the steps become nested tables, which recursive functions visit: the number of steps must be limited
+        // each step becomes a nested table, and recursive functions visit the tables: without a limit the stack could
+        // overflow
         if path.len() >= DEEPEST {
             return Err(bad(&format!("it has more than {DEEPEST} parts")));
         }

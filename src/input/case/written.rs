@@ -17,11 +17,12 @@ pub struct Variant<'a> {
 }
 
 impl Case {
-    /// Text of a new case file: the case with the changes of the command line, below a heading. `variants` replace the
-    /// `[[compare]]` list. Sets of values are not copied: the text names them, as the case does.
+    /// Text of a new case file: the case with the changes of the command line, below the comment `heading`. `variants`
+    /// replace the `[[compare]]` list. Sets of values (parts of cases in `models/`) are not copied: the text names
+    /// them by `use`, as the case does.
     ///
     /// # Errors
-    /// A change that does not fit the case.
+    /// A change of a key that does not fit the case.
     pub fn written(&self, heading: &str, variants: &[Variant]) -> Result<String, Diagnostic> {
         let mut tree = self.tree.clone();
         for setting in &self.sets {

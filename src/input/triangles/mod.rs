@@ -76,7 +76,7 @@ pub struct TriangleFile {
     pub heap: Heap,
     /// Number of corners that differed from others only by rounding, and were merged.
     pub welded: usize,
-    /// Remarks in words about properties of the file, such as polygons that are not flat.
+    /// Remarks in words about properties of the file that the user should know, such as polygons that are not flat.
     pub notes: Vec<String>,
 }
 

@@ -51,7 +51,8 @@ struct Reading {
     polygons: Vec<Polygon>,
     /// Corners of all polygons, one polygon after the other, as indices into `places`.
     named: Vec<usize>,
-    /// First statement with an unknown name, and the number of all such statements; `None` if there are none.
+    /// First statement with an unknown name (and its line), and the number of all such statements; `None` if there are
+    /// none.
     unknown: Option<(String, usize)>,
 }
 

@@ -5,8 +5,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// [-] smallest sine of the angle by which a polygon turns at a corner, if it is divided as a fan (all triangles have
-/// its first corner). Smaller angles would give very thin triangles, which the surface ignores.
+/// [-] smallest sine of the angle by which a polygon turns at a corner, if it is divided as a fan (all triangles share
+/// its first corner). With smaller angles, triangles would be so thin that the surface ignores them.
 const TURN: f64 = 1e-6;
 /// [-] relative error of an area that counts as rounding.
 const ROUNDING: f64 = 1e-9;

@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 /// of one triangle.
 const HEAD: usize = 84;
 const TRIANGLE: usize = 50;
-/// Number of significant decimal digits that determine a number in single precision.
+/// Number of significant decimal digits that distinguish all numbers in single precision.
 const SINGLE: usize = 9;
 const TEXT: &str = "text STL file";
 

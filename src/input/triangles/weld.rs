@@ -12,8 +12,8 @@ const ROUNDINGS: f64 = 4.0;
 const FEWEST: usize = 6;
 /// [-] factor on the largest distance of merged corners, because the computed distance is rounded too.
 const SLACK: f64 = 1.01;
-/// [-] edge length of the cells of the neighbour search, over the largest distance of merged corners. For most points
-/// one cell must then be searched.
+/// [-] edge length of the cells of the neighbour search, over the largest distance of merged corners. With cells of
+/// this size, only one cell must be searched for most points.
 const CELL: f64 = 8.0;
 
 /// Replaces each corner by an earlier corner that differs only by rounding, and returns the number of replaced corners.

@@ -1,5 +1,5 @@
-//! Reads and checks the two-way coupling between gas and particles. A window is the time between two exchanges of
-//! momentum between them.
+//! Reads and checks the two-way coupling between gas and particles: each changes the motion of the other. A window is
+//! the time between two exchanges of momentum between them.
 
 use super::Resolver;
 use crate::case::diagnostic::Diagnostic;
@@ -10,7 +10,8 @@ use crate::schedule::longest_for_coupling;
 use nalgebra::Vector3;
 
 impl Resolver {
-    /// Two-way coupling between particles and a gas with this profile; `None` if the case requests one-way coupling.
+    /// Two-way coupling between particles and a gas with the velocity profile `profile`; `None` if the case requests
+    /// one-way coupling.
     ///
     /// # Errors
     /// A gas without drag, or a profile without a solution of the k-ε model.
@@ -57,7 +58,7 @@ impl Resolver {
     /// window (time between two exchanges of momentum with the gas) is too long for the coupling.
     ///
     /// # Errors
-    /// Gravity that is not along the flow of a gas that the particles change.
+    /// Gravity is not along the flow of a gas that the particles change.
     pub(super) fn check_coupling(&mut self, file: &CaseFile, experiment: &Experiment) -> Result<(), Diagnostic> {
         let Some(fluid) = &file.fluid else { return Ok(()) };
         let Some(typed) = &fluid.value.coupling else { return Ok(()) };

@@ -68,7 +68,8 @@ impl Resolver {
             .map_err(|why| self.refuse(number, format!("gives no k-ε solution: {why}")).help(help))
     }
 
-    /// Constants κ and B of the logarithmic law, from the two keys of the case or, without a key, the default.
+    /// Constants κ and B of the logarithmic law. Each is read from its key of the case, or has its default if the case
+    /// lacks the key.
     pub(super) fn log_constants(
         &self,
         von_karman: Option<&Located<Ratio>>,
@@ -160,8 +161,8 @@ impl Resolver {
     }
 }
 
-/// [-] largest particle Reynolds number that is known before the run. It is computed from the slip velocity at the
-/// start or from the slip at which drag balances the weight, whichever is larger.
+/// [-] largest particle Reynolds number that is known before the run, for the particles at the start. It is computed
+/// from the slip velocity at the start or from the slip at which drag balances the weight, whichever is larger.
 fn largest_reynolds(experiment: &Experiment, fluid: &Fluid, population: &Population) -> f64 {
     let scene = &experiment.scene;
     let (Some(species), Some(drag)) = (scene.species.get(usize::from(population.species)), &fluid.drag) else {

@@ -20,8 +20,8 @@ pub const MOST: f64 = 1e9;
 /// would be close to the rounding error of the simulated time (1e-16 of that time).
 const MOST_LOCAL: f64 = 1e15;
 
-/// Source position of the interval of samples (instants of measurement) or of trajectory frames, if it alone makes too
-/// many windows; `None` otherwise. Windows end at these instants.
+/// Source position of the interval of samples (instants of measurement) or of trajectory frames. Windows end at these
+/// instants. `None` if neither interval alone makes too many windows.
 fn too_often<'a>(file: &'a CaseFile, experiment: &Experiment) -> Option<&'a Origin> {
     let duration = experiment.run.duration;
     let samples = file.statistics.as_ref().and_then(|typed| typed.value.sample_interval.as_ref());
@@ -55,7 +55,7 @@ impl Resolver {
         let Some(law) = experiment.law() else { return Ok(()) };
         let soft = file.soft.as_ref().map(|soft| &soft.value);
         let step = soft_step(experiment, experiment.most_that_touch(experiment.count()));
-        // if no contact is possible, each window is one step
+        // if no contact is possible, each window is one step, so only windows are counted
         let touches =
             ContactTimes::of(experiment, &law, experiment.most_that_touch(experiment.count())).governing().is_some();
         let most = match experiment.soft.stepping {

@@ -127,7 +127,8 @@ impl Resolver {
         Ok(scale * self.in_range(factor, "1 leaves the size as it is")?)
     }
 
-    /// [m] triangles after scaling, rotation and translation to their position in the case.
+    /// [m] triangles of the file after scaling, rotation and translation to their position in the case. `scale` [m] is
+    /// the length of one unit of the file.
     fn in_place(&self, mesh: &Located<MeshFile>, scale: f64, mut heap: Heap) -> Result<Heap, Diagnostic> {
         let mesh = &mesh.value;
         let angle = mesh.angle.as_ref().map_or(0.0, |angle| angle.value.0);
@@ -269,8 +270,8 @@ impl Resolver {
         Ok(())
     }
 
-    /// Checks that a mesh has the size of the domain within a factor of 100, and is neither wholly outside nor too near
-    /// its own periodic images. A mesh around the particles must be between the periodic sides.
+    /// Checks that a mesh has the size of the domain within a factor of 100, and is neither wholly outside nor too
+    /// near its own periodic images. If the particles are inside the mesh, it must not reach beyond periodic sides.
     fn check_bounds(
         &self,
         mesh: &Located<MeshFile>,

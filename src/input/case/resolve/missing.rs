@@ -44,7 +44,7 @@ pub fn refuse_missing<'a>(
     into_error(&keys, sources)
 }
 
-/// True if a species has at most one particle, so that this particle can touch only walls.
+/// True if the case places at most one particle of a kind at the start. Particles of inlets are not counted.
 fn is_alone(kind: &ParticlesFile) -> bool {
     match (&kind.count, &kind.at) {
         (Some(count), _) => count.value <= 1,
@@ -70,8 +70,8 @@ fn into_error(keys: &[MissingKey], sources: &Sources) -> Result<(), Diagnostic> 
     let list: Vec<String> = keys.iter().map(named).collect();
     let plural = if list.len() == 1 { "a required key is missing" } else { "required keys are missing" };
     let first_table = keys.iter().find_map(|key| key.table);
-    // if no missing key belongs to a table of the case, the error is about the whole case file, which is the first
-    // source
+    // if no missing key belongs to a table of the case, the error is about the case file as a whole, which is the
+    // source with the index 0
     let whole = Origin { source: 0, span: 0..0 };
     let mut diagnostic = sources.error(first_table.unwrap_or(&whole), format!("{plural}: {}", list.join(", ")));
     if first_table.is_none()

@@ -62,7 +62,7 @@ pub struct VariantChoice {
     pub against: Option<Located<AgainstFile>>,
 }
 
-/// State of the conversion of a case to an experiment: its texts, its warnings and its model.
+/// Work in progress: the texts, the warnings and the model of a case that is turned into an experiment.
 pub(super) struct Resolver {
     /// Texts of all files and arguments from which the case was read, for messages. Texts of data tables are added when
     /// they are read.
@@ -94,7 +94,8 @@ pub fn resolve(
     let gravity = resolver.gravity(file)?;
     let contact = match &file.contact {
         Some(contact) => resolver.surface(&contact.value.restitution, &contact.value.friction)?,
-        // a case without the table `[contact]` has passed the check above only if no two particles can touch
+        // a case without the table `[contact]` has passed the check above only if it places at most one particle at
+        // the start
         None => crate::scene::Surface::new(1.0, 0.0),
     };
     let pairs = crate::scene::Pairs::default();
@@ -176,8 +177,8 @@ fn vector<const M: i8, const K: i8, const S: i8>(three: &Three<Quantity<M, K, S>
 }
 
 impl Resolver {
-    /// Returns the value of a required key. Keys that every case requires have been checked before, all in one message.
-    /// So an error here is about a key that only some cases require.
+    /// Returns the value of a required key; `key` is its name in the error. Keys that every case requires have been
+    /// checked before, all in one message. So an error here is about a key that only some cases require.
     fn need<'a, T>(&self, value: &'a Option<T>, key: &str) -> Result<&'a T, Diagnostic> {
         value.as_ref().ok_or_else(|| Diagnostic::about("the case", format!("the required key `{key}` is missing")))
     }

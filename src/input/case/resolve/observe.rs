@@ -24,8 +24,8 @@ const MOST_WAVES: f64 = 100.0;
 /// Largest number of cells of a grid of fields (density, velocity and stress). A cell takes 2.5 KB of memory: 16 sums
 /// for each of the 20 parts into which the time of a run is divided.
 const MOST_CELLS: i64 = 50_000;
-/// Smallest and largest number of columns of a surface along an edge of the box. The computing time at each instant of
-/// measurement grows with the third power of the number of columns.
+/// Smallest number of columns of a surface along an edge of the box; the next constant is the largest number. The
+/// computing time at each instant of measurement grows with the third power of the number of columns.
 const FEWEST_COLUMNS: f64 = 10.0;
 const MOST_COLUMNS: f64 = 500.0;
 /// Smallest number of samples (instants of measurement) within the longest time span of the mean squared displacement,
@@ -67,7 +67,7 @@ impl Resolver {
         })
     }
 
-    /// Refuses a measurement that needs a box that is periodic along all axes, unless the box of the scene is so.
+    /// Refuses a measurement that needs a box with periodic sides along all axes, if the scene has another box.
     fn refuse_sides<T>(&self, typed: &Located<T>, scene: &Scene) -> Result<(), Diagnostic> {
         if scene.domain.periodic == [true; 3] {
             return Ok(());

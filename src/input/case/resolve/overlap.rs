@@ -15,10 +15,10 @@ use std::ops::ControlFlow;
 /// [-] largest overlap over the smaller diameter that counts as the rounding error of two touching bodies. Positions
 /// written after a long run have this accuracy.
 const ROUNDING: f64 = 1e-9;
-/// Number of close pairs per particle after which the search for overlaps ends, if it has found an overlap of more than
-/// half a diameter. Close particles are in one cell or in neighbouring cells, one diameter wide. Spheres without
-/// overlap fill at most 0.74 of these 27 cells. Each of equal spheres then has fewer than 40 other spheres in these
-/// cells.
+/// Number of close pairs per particle after which the search for overlaps ends, if it has found an overlap of more
+/// than half a diameter. Close particles are in one cell or in neighbouring cells, which are about one diameter wide.
+/// Equal spheres without overlap fill at most 0.74 of these 27 cells. Each sphere then has fewer than 40 others in
+/// these cells, so more pairs come from overlaps.
 const ENOUGH: usize = 100;
 /// [-] largest overlap over the smaller diameter with which the soft engine starts from positions given by the user.
 /// The particles then start within a contact.
@@ -80,7 +80,7 @@ impl Resolver {
             });
         }
         let (mut looked_at, mut deepest) = (0, 0.0f64);
-        // pairs of particles that collide by chance may overlap, so only their overlaps with walls are checked
+        // the model dsmc lets pairs collide by chance, and they may overlap: only overlaps with walls are checked
         let paired = if self.model == Model::Dsmc && rule != Rule::PushedApart { &[] } else { placed };
         let _ = for_near_pairs(paired, &scene.domain, |j, i| {
             let (a, b) = (&placed[i], &placed[j]);

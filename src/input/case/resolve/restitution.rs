@@ -89,7 +89,7 @@ impl Resolver {
             Some(RestitutionBySpeed::Bridges { .. } | RestitutionBySpeed::Power { .. }) => false,
             None => surface.restitution == 1.0,
         };
-        // without `[contact]` there is at most one particle, and the surface between particles is elastic
+        // without `[contact]` the surface between particles is elastic, which fits the law
         let walls = scene.walls.iter().map(|wall| &wall.surface);
         let pairs = scene.pairs.iter().map(|(_, _, meeting)| &meeting.surface);
         if !self.model.has_contacts() || walls.chain(pairs).chain([&scene.contact]).all(fits) {

@@ -62,8 +62,8 @@ impl Resolver {
         self.in_range(typed, help)
     }
 
-    /// [rad/s] spin of a particle with a given position; zero if the case gives no spin. Warns about a spin if spheres
-    /// of the case do not rotate.
+    /// [rad/s] vector of a spin that the case gives; zero if the case gives none. Warns about a spin if spheres of the
+    /// case do not rotate.
     pub(super) fn spin(&mut self, typed: Option<&Three<Spin>>, scene: &Scene) -> Result<Vector3<f64>, Diagnostic> {
         let Some(typed) = typed else { return Ok(Vector3::zeros()) };
         for component in &typed.value {
@@ -136,9 +136,9 @@ impl Resolver {
         self.in_range(typed, help).map(Some)
     }
 
-    /// Tangential law that a case gives. If the case gives none, but has Walton's rule with β_0 > 0 and a linear normal
-    /// law, the law is a spring with this tangential restitution β_0. Otherwise the law is Coulomb's friction without a
-    /// spring.
+    /// Tangential law that a case gives. If the case gives none, but has Walton's rule with β_0 > 0, the law is a
+    /// spring with this tangential restitution β_0. This holds only if the normal law is linear or absent. In all
+    /// other cases without a given law the result is Coulomb's friction without a spring.
     fn tangential_law(&mut self, file: &CaseFile, soft: &SoftSettings) -> Result<TangentialLaw, Diagnostic> {
         let is_linear = soft.law.is_none_or(|law| law.is_linear());
         let is_viscoelastic = matches!(soft.law, Some(ContactLaw::KuwabaraKono(_)));
@@ -252,9 +252,9 @@ impl Resolver {
         Ok(Some(TwistingLaw { damping }))
     }
 
-    /// Impact rule in place of the rule of a tangential spring, if the restitution of any impact depends on speed;
-    /// otherwise `None`. The rule of a spring needs one restitution, so this is an error in models with instantaneous
-    /// impacts. Soft spheres use no impact rule; for them the result is Coulomb's rule.
+    /// Impact rule that replaces the rule of a tangential spring if the restitution of any impact depends on speed;
+    /// `None` if no restitution does. The rule of a spring needs one restitution, so this is an error in models with
+    /// instantaneous impacts. Soft spheres use no impact rule; for them the result is Coulomb's rule.
     fn rule_by_speed(&self, file: &CaseFile, scene: &Scene) -> Result<Option<ImpactRule>, Diagnostic> {
         let depends = scene.depends_on_speed();
         let typed = file.hard.as_ref().and_then(|hard| hard.value.friction.as_ref()).map(|rule| &rule.origin);

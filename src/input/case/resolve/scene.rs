@@ -12,8 +12,8 @@ use crate::fluid::{Fluid, Lift, Profile};
 use crate::scene::{ADDED_MASS, Scene, Species};
 use nalgebra::Vector3;
 
-/// [-] ratio of the buoyancy to the weight, or of the added mass to the mass. Below this ratio, no warning is given if
-/// the case leaves the force out. The value equals the default margin (largest accepted difference) of comparisons.
+/// [-] largest ratio of the buoyancy to the weight, or of the added mass to the mass, at which the case may leave the
+/// force out without a warning. The value equals the default margin (largest accepted difference) of comparisons.
 const SMALL: f64 = 0.01;
 
 impl Resolver {

@@ -18,8 +18,8 @@ use crate::simulation::soft_step;
 /// [-] smallest number of time steps per contact N_c that resolves a contact. Fewer steps are refused, unless the case
 /// allows them.
 const FEWEST_STEPS: f64 = 5.0;
-/// [-] number of steps per contact N_c below which a warning is given (section 3.4 of the paper, see `docs/paper.md`:
-/// steps T_c/50 to T_c/15).
+/// [-] number of steps per contact N_c below which a warning is given. Section 3.4 of the paper (see `docs/paper.md`)
+/// has steps from T_c/50 to T_c/15, where T_c is the duration of a contact.
 const GOOD_STEPS: f64 = 15.0;
 /// [N/m] allowed range of spring stiffness, which includes all real bodies: a bubble has 0.1, a diamond sphere of 1 mm
 /// has 1e9. Outside the range, squares of times or frequencies would exceed the range of floating-point numbers.
@@ -27,7 +27,7 @@ pub(super) const SPRINGS: std::ops::RangeInclusive<f64> = 1e-9..=1e20;
 
 impl Resolver {
     /// Settings of the soft engine. If the model has no lasting contacts, these settings are not used, and an error in
-    /// them is only a warning.
+    /// them becomes a warning.
     pub(super) fn soft(&mut self, file: &CaseFile) -> Result<SoftSettings, Diagnostic> {
         match self.soft_settings(file) {
             Err(error) if !self.model.has_contacts() => {
@@ -197,8 +197,8 @@ impl Resolver {
         })
     }
 
-    /// [s] contact time t_c of the TC model, in which collisions in quick succession (within t_c) are elastic. `None`
-    /// if the case gives no contact time.
+    /// [s] contact time t_c of the TC model: a collision is elastic if either particle has collided less than t_c
+    /// before. `None` if the case gives no contact time.
     fn contact_time(&mut self, hard: &HardFile, stepping: HardSteppingFile) -> Result<Option<f64>, Diagnostic> {
         let Some(typed) = &hard.contact_time else { return Ok(None) };
         let help = "t_c of the TC model: how long a contact would last, for example \"1e-6 s\"; leave it out for none";

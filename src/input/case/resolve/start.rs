@@ -34,8 +34,8 @@ fn too_many(count: f64) -> String {
     format!("{count:.3e} particles, which take about {gigabytes:.3e} GB of memory; allowed: up to {MOST_PARTICLES}")
 }
 
-/// [m³] volume to which a volume fraction refers: that of the start region if it is a block or a cylinder, else of the
-/// whole box.
+/// [m³] volume of which a volume fraction is a share: that of the start region if it is a block or a cylinder, else of
+/// the whole box.
 fn share_of(region: &Option<StartRegion>, scene: &Scene) -> f64 {
     match region {
         Some(StartRegion::Body(body)) => body.volume(&scene.domain.size),

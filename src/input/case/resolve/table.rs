@@ -150,9 +150,9 @@ impl<'a> TableRow<'a> {
     }
 }
 
-/// Splits the name of a column into name and unit, if it ends with a unit of the right dimension: `x_mm` is `x` in mm,
-/// `vx_mm_s` is `vx` in mm/s. A name that is itself among the `wanted` names is not split. The unit of a column that is
-/// not split is `None`.
+/// Splits the name of a column into name and unit if it ends with a unit of the right dimension: `x_mm` is `x` in mm,
+/// `vx_mm_s` is `vx` in mm/s. A name that is itself among the `wanted` names is not split. The unit is `None` if the
+/// name is not split.
 fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) {
     let split = column.split_once('_').filter(|(name, _)| !wanted.contains(&column) && wanted.contains(name));
     let unit = |(name, unit): (&'a str, &str)| {
@@ -162,8 +162,8 @@ fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) 
     split.and_then(unit).unwrap_or((column, None))
 }
 
-/// Exponents of m, kg and s in the dimension of a column of initial states. Columns whose name begins with v are
-/// velocities, those with w are spins, all others are lengths.
+/// Exponents of m, kg and s in the dimension of a column of initial states. Columns whose names begin with v are
+/// velocities, those with w are spins (angular velocities), all others are lengths.
 fn dimension(column: &str) -> [i8; 3] {
     match column.as_bytes().first() {
         Some(b'v') => [1, 0, -1],

@@ -1,4 +1,5 @@
-//! Reads and checks a thermostat. A window is the time between two kicks (changes of the velocities) by drag or heat.
+//! Reads and checks a thermostat. A window is the time between two kicks (changes of the velocities by drag or by the
+//! thermostat).
 
 use super::Resolver;
 use crate::case::diagnostic::Diagnostic;

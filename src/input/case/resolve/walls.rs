@@ -14,15 +14,15 @@ use crate::walls::{
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// [-] component of a unit normal along an axis below which the component counts as rounding.
+/// [-] largest component of a unit normal along an axis that counts as rounding of 0.
 const ALIGNED: f64 = 1e-9;
-/// [-] distance by which a hollow body may exceed the box because of rounding, over the size of the box.
+/// [-] largest distance by which a hollow body may reach beyond the box because of rounding, over the size of the box.
 const ROUNDING: f64 = 1e-9;
 
 /// Largest number of walls of a case. So many walls take 1 GB of memory, and about 10 s to check.
 const MOST_WALLS: usize = 100_000;
 
-/// Side of a body on which the particles are: outside a solid, inside a vessel, or on both sides of a shell.
+/// Side of a body on which the particles are: outside a solid body, inside a vessel, or on both sides of a thin shell.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum BodySide {
     Solid,
@@ -368,8 +368,9 @@ impl Resolver {
         Ok(plane_geometry)
     }
 
-    /// Checks that at least a part of a body is inside the domain. Across periodic sides, every sphere must fit between
-    /// the body and its own periodic image.
+    /// Checks that at least a part of a body is inside the domain. Across periodic sides, every sphere must fit
+    /// between the body and its own periodic image. Along an axis that is not periodic the body may reach out of the
+    /// domain.
     fn keep_from_own_image(
         &self,
         center: &Three<Length>,

@@ -40,7 +40,8 @@ pub struct Layout {
     pub width: usize,
 }
 
-/// Form in which a particle file gives positions. If a file gives several forms, the last one in this list is read.
+/// Form in which a particle file gives positions. If a file gives several forms, the form that stands last in this
+/// list is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum PositionForm {
     /// Fraction of the box size, possibly in a periodic image of the box.
@@ -136,7 +137,7 @@ impl Layout {
     /// that the column `name` has in a line.
     ///
     /// # Errors
-    /// A message in words: the column repeats another column.
+    /// A message in words: another column of the file has the same meaning.
     pub fn push(&mut self, name: &str, width: usize) -> Result<(), String> {
         let first = self.width;
         self.width += width;

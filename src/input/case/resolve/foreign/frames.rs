@@ -35,8 +35,8 @@ pub struct ParticleFrame {
 /// Particles of all instants of a file, and the warnings about the file.
 pub type FramesAndWarnings = (Vec<ParticleFrame>, Vec<Diagnostic>);
 
-/// Reads all instants of a text in a format with positions and velocities; `None` if the text has another format.
-/// `source` is the index of the text in `sources`. The returned warnings are about the file.
+/// Reads all instants of a text dump of LAMMPS or LIGGGHTS, or of an extended XYZ file; `None` for a text of another
+/// format. `source` is the index of the text in `sources`. The returned warnings are about the file.
 ///
 /// # Errors
 /// A line that cannot be read, particles without velocities, or a box that is not rectangular.

@@ -26,7 +26,7 @@ struct Atoms {
 /// Contents of a LAMMPS data file, except the lines of the atoms.
 #[derive(Default)]
 struct Outline<'a> {
-    /// [m] lower corner of the box; `high` is the upper corner.
+    /// [m] lower corner of the box; the next field `high` is the upper corner.
     low: Vector3<f64>,
     high: Vector3<f64>,
     boxed: bool,

@@ -29,7 +29,8 @@ pub(super) const COLUMNS: [&str; 18] = [
 pub(super) const OF_CSV: usize = 12;
 /// Index of the column with the ids of particles.
 const ID: usize = 8;
-/// Number of first lines of a file that are searched for the number of atoms, the mark of a LAMMPS data file.
+/// Number of lines, from the first of a file, that are searched for a line such as `100 atoms`. By such a line a
+/// LAMMPS data file is recognized.
 const HEAD_OF_DATA: usize = 40;
 
 /// Format of a file from another program.
@@ -292,8 +293,8 @@ impl ForeignReader<'_> {
         self.sources.error(&lines.origin(number), message).help(help)
     }
 
-    /// Parses the number `text`, which was found in the line with the index `number`. The last argument is the name of
-    /// the number in the error message.
+    /// Parses the number `text`, which was found in the line with the index `number`. `what` is the name of the number
+    /// in the error message.
     fn cell<T: std::str::FromStr>(
         &self,
         lines: &Lines,
