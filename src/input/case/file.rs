@@ -71,8 +71,8 @@ pub struct CaseFile {
     pub domain: Option<Located<DomainFile>>,
     /// Acceleration by gravity. Without this table there is no gravity.
     pub gravity: Option<Located<GravityFile>>,
-    /// The gas. Its flow is prescribed: it drives the particles, and they do not change it (one-way coupling). Without
-    /// this table there is no gas.
+    /// The gas. Its flow is prescribed, and the particles do not change it (one-way coupling) unless the case has the
+    /// table `[fluid.coupling]`. Without this table there is no gas.
     pub fluid: Option<Located<FluidFile>>,
     /// The drag law. Without this table the gas exerts no drag.
     pub drag: Option<Located<DragFile>>,
@@ -91,21 +91,22 @@ pub struct CaseFile {
     /// Restitution and friction of contacts between particles.
     #[schemars(extend("x-required" = "where two particles can meet"))]
     pub contact: Option<Located<ContactFile>>,
-    /// Settings of the soft engine.
+    /// Settings of the soft engine, in which contacts are springs and dashpots.
     #[schemars(extend("x-required" = "by the soft and the hybrid model"))]
     pub soft: Option<Located<SoftFile>>,
-    /// Settings of the hard engine.
+    /// Settings of the hard engine, in which collisions are instantaneous.
     pub hard: Option<Located<HardFile>>,
-    /// Settings of the hybrid engine, which also uses those of `[soft]`.
+    /// Settings of the hybrid engine, in which a touch is an instantaneous collision or a soft contact. The hybrid
+    /// engine also uses the settings of `[soft]`.
     pub hybrid: Option<Located<HybridFile>>,
     /// Settings of collisions by chance (direct simulation Monte Carlo).
     pub dsmc: Option<Located<DsmcFile>>,
     /// Duration, window (time between two drag kicks), seed and model of a run.
     #[schemars(extend("x-required" = "always"))]
     pub run: Option<Located<RunFile>>,
-    /// Settings of the averages: slices and time between samples.
+    /// Settings of the averages: number of slices, and time between samples (instants of measurement).
     pub statistics: Option<Located<StatisticsFile>>,
-    /// Measurements in addition to the standard ones. Without this table no others are made.
+    /// Measurements in addition to the standard ones. Without this table only the standard ones are made.
     pub observe: Option<Located<ObserveFile>>,
     /// Settings of the trajectory files, which are written in addition to the results of every variant. Without this
     /// table no trajectories are written.
@@ -220,7 +221,7 @@ pub struct ParticlesFile {
     /// exactly this deviation.
     #[schemars(example = &"500 rad/s", extend("default" = "0 rad/s", "x-range" = "0 ..= 1e9 rad/s"))]
     pub spin_fluctuation: Option<Located<Spin>>,
-    /// Elasticity of these particles, if it differs from `[soft.hertz]`.
+    /// Elasticity of these particles, if it differs from that in `[soft.hertz]` or `[soft.kuwabara_kono]`.
     pub elasticity: Option<Located<ElasticityFile>>,
 }
 
@@ -259,10 +260,11 @@ pub struct SoftFile {
     /// the restitution `{ viscoelastic = ... }` or 1.
     #[schemars(extend("x-one-of" = "contact law"))]
     pub kuwabara_kono: Option<Located<ElasticityFile>>,
-    /// Time steps per shortest contact, N_c; or give `time_step`. Fewer than 5 are refused without `allow_large_step`.
+    /// Number of time steps in the shortest contact, N_c. Fewer than 5 are refused without `allow_large_step`. The key
+    /// `time_step` can be given instead.
     #[schemars(example = 50, extend("default" = 20, "x-range" = "greater than 0, up to 1e6", "x-one-of" = "step"))]
     pub steps_per_contact: Option<Located<Ratio>>,
-    /// Time step of soft contacts, Δt; or give `steps_per_contact`.
+    /// Time step of soft contacts, Δt. The key `steps_per_contact` can be given instead.
     #[schemars(example = &"4e-7 s", extend("x-range" = "greater than 0 s", "x-one-of" = "step"))]
     pub time_step: Option<Located<Time>>,
     /// True: allows a time step longer than a fifth of a contact.
@@ -331,9 +333,9 @@ pub struct HardFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HybridFile {
-    /// Clearance in contact times. A collision is instantaneous if no other particle can reach the two within this many
-    /// contact times. At a wall, gravity must also not bring the sphere back within that time. Any other touch is a
-    /// soft contact.
+    /// Clearance in contact times. A collision is instantaneous if no other particle can reach the two particles
+    /// within this many contact times. At a wall, gravity must also not bring the sphere back within that time. Any
+    /// other touch is a soft contact.
     #[schemars(example = 10, extend("default" = 2, "x-range" = "1 ..= 1e6"))]
     pub clearance: Option<Located<Ratio>>,
 }
@@ -410,8 +412,9 @@ pub struct StatisticsFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
-    /// Time between two frames with all particles, counted from the start and equal in every variant. Drag windows also
-    /// end at these times. This may change the last digits of results, unless windows end at these times anyway.
+    /// Time between two frames with all particles, counted from the start and equal in every variant. Windows (times
+    /// between two drag kicks) also end at these times. This may change the last digits of results, unless windows end
+    /// at these times anyway.
     #[schemars(example = &"1 ms", extend("x-default" = "none are written", "x-range" = "greater than 0 s"))]
     pub every: Option<Located<Time>>,
     /// File format of the trajectories.
@@ -436,7 +439,7 @@ pub struct CompareFile {
     #[schemars(example = &"hard", extend("x-default" = "the first hard one, or else the first"))]
     pub against: Option<Located<AgainstFile>>,
     // the value is taken from the tree of the case, which contains the source positions
-    /// Keys with other values than in the case, by their full names.
+    /// Keys of the case that have other values in this variant, each with its full name and its value.
     #[schemars(with = "Option<std::collections::BTreeMap<String, serde_json::Value>>")]
     #[schemars(extend("examples" = [{ "contact.restitution": 0.9 }]))]
     pub set: Option<Located<IgnoredAny>>,

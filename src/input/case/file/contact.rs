@@ -10,8 +10,8 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactFile {
-    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic. 0: no rebound, for hard
-    /// spheres alone. A table makes the restitution depend on the normal speed of the impact.
+    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic. 0: no rebound, only for
+    /// the models hard and dsmc. A table makes the restitution depend on the normal speed of the impact.
     #[schemars(example = 0.97)]
     #[schemars(extend("x-required" = "where two particles can meet", "x-range" = "0 ..= 1"))]
     pub restitution: Option<Located<RestitutionFile>>,
@@ -48,9 +48,9 @@ pub struct PairFile {
     /// radius of the contact, times the normal force.
     #[schemars(example = 0.1, extend("x-default" = "that of the wall, or `friction`", "x-range" = "0 ..= 100"))]
     pub twisting_friction: Option<Located<Ratio>>,
-    /// Stiffness k_n of the spring between the two bodies; `contact_time` or `overlap` can be given instead. The key has
-    /// an effect only with `[soft.linear_spring_dashpot]`: with Hertz's law the stiffness of a pair follows from the
-    /// `elasticity` of each body.
+    /// Stiffness k_n of the spring between the two bodies; `contact_time` or `overlap` can be given instead. The key
+    /// has an effect only with `[soft.linear_spring_dashpot]`: with Hertz's law the stiffness of a pair follows from
+    /// the `elasticity` of each body.
     #[schemars(example = &"5000 N/m", extend("x-range" = "1e-9 ..= 1e20 N/m"))]
     #[schemars(extend("x-default" = "that of `[soft.linear_spring_dashpot]`"))]
     pub stiffness: Option<Located<Stiffness>>,

@@ -44,7 +44,7 @@ pub struct FluidFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SeenTurbulenceFile {
-    /// Turbulent kinetic energy, k, in a `uniform` gas, whose profile does not give it.
+    /// Turbulent kinetic energy, k, in a `uniform` gas, whose velocity profile does not give k.
     #[schemars(example = &"0.5 m^2/s^2", extend("x-range" = "greater than 0, up to 1e6 m^2/s^2"))]
     pub kinetic_energy: Option<Located<SpecificEnergy>>,
     /// Dissipation rate of the turbulent kinetic energy, ε, in a `uniform` gas.

@@ -6,12 +6,12 @@ use crate::case::quantity::{Area, Length, Pressure, PressurePerSpeed, Ratio, Spe
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Table `[walls.motion]`: motion of the shape of a wall, given in advance or by a servo control. The shape that the case gives is
-/// that without displacement.
+/// Table `[walls.motion]`: motion of the shape of a wall, given in advance or by a servo control. The shape that the
+/// case gives is the shape without displacement.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MotionFile {
-    /// Constant velocity of the shape, which is where the case puts it at time 0.
+    /// Constant velocity of the shape. At time 0 the shape is where the case puts it.
     #[schemars(extend("examples" = [["0 m/s", "-2 mm/s", "0 m/s"]], "x-range" = "-1e5 ..= 1e5 m/s"))]
     #[schemars(extend("x-one-of" = "motion", "x-required" = "or `vibration`, `path`, `turning`, `servo`"))]
     pub translation: Option<Three<Speed>>,
@@ -22,18 +22,18 @@ pub struct MotionFile {
     /// shape is at rest.
     #[schemars(extend("x-one-of" = "motion"))]
     pub path: Option<Located<Vec<Located<KnotFile>>>>,
-    /// Rotation of the shape about an axis: a mixer or a drum with lifters. At time 0 the shape is where the case puts
-    /// it.
+    /// Rotation of the shape about an axis, such as that of a mixer or of a drum with lifters. At time 0 the shape is
+    /// where the case puts it.
     #[schemars(extend("x-one-of" = "motion"))]
     pub turning: Option<Located<ShapeTurningFile>>,
-    /// Motion of a plane along its normal, so that particles press on it with a given pressure. Soft and hybrid spheres
-    /// only.
+    /// Motion of a plane along its normal, so that particles press on it with a given pressure. Only for soft and
+    /// hybrid spheres.
     #[schemars(extend("x-one-of" = "motion"))]
     pub servo: Option<Located<ServoFile>>,
 }
 
-/// Table `[walls.motion.servo]`: a plane whose speed along its normal is V = (p - p_m)/c, with the measured pressure p_m of
-/// the particles on it.
+/// Table `[walls.motion.servo]`: a plane that moves along its normal at the speed V = (p - p_m)/c. Here p is the
+/// wanted pressure, p_m the measured pressure of the particles on the plane, and c the damping.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ServoFile {
@@ -75,7 +75,7 @@ pub struct KnotFile {
     /// Time of this displacement, later than the time of the entry before.
     #[schemars(example = &"0.5 s", extend("x-required" = "always", "x-range" = "-1e9 ..= 1e9 s"))]
     pub time: Option<Located<Time>>,
-    /// Displacement, at this time, of the shape from where the case puts it.
+    /// Displacement of the shape at this time, relative to where the case puts the shape.
     #[schemars(extend("examples" = [["0 mm", "-4 mm", "0 mm"]], "x-required" = "always", "x-range" = "-1e4 ..= 1e4 m"))]
     pub displacement: Option<Three<Length>>,
 }

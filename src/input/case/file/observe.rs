@@ -46,7 +46,7 @@ pub struct PairDistributionFile {
 }
 
 /// Table `[observe.velocity_distribution]`: distribution of the velocities relative to the mean velocity of their
-/// slice, in units of sqrt(2T).
+/// slice, in units of sqrt(2T) with the granular temperature T.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VelocityDistributionFile {
@@ -101,8 +101,8 @@ pub struct FieldsFile {
     pub cells: Option<Three<i64>>,
 }
 
-/// Table `[observe.seen_gas]`: mean and mean square of the fluctuation of the gas velocity that particles see, in the slices
-/// of `profiles.csv`; it has no keys.
+/// Table `[observe.seen_gas]`: mean and mean square of the fluctuation of the gas velocity that particles see, in the
+/// slices of `profiles.csv`; it has no keys.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SeenGasFile {}
@@ -112,8 +112,8 @@ pub struct SeenGasFile {}
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ViscosityFile {
-    /// Longest time over which stresses are correlated: at least ten times `statistics.sample_interval`, and some twenty
-    /// mean free times. Give it unless the box is sheared.
+    /// Longest time over which stresses are correlated: at least ten times `statistics.sample_interval`, and some
+    /// twenty mean free times. Give it unless the box is sheared.
     #[schemars(example = &"1 ms", extend("x-default" = "none, for sheared boxes", "x-range" = "greater than 0 s"))]
     pub duration: Option<Located<Time>>,
 }
@@ -123,18 +123,19 @@ pub struct ViscosityFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ClustersFile {
-    /// Gap between the surfaces of two particles below which they are connected. With the largest diameter it is at
-    /// most half the shortest periodic edge of the box.
+    /// Gap between the surfaces of two particles below which they are connected. The sum of the gap and the largest
+    /// diameter may be at most half the shortest periodic edge of the box.
     #[schemars(example = &"20 um", extend("x-required" = "always", "x-range" = "0 ..= 1e4 m"))]
     pub gap: Option<Located<Length>>,
 }
 
-/// Table `[observe.free_surface]`: height of the highest sphere in each column of a layer under gravity, seen from above.
-/// Wavelength and symmetry are those of samples whose contrast is above the mean.
+/// Table `[observe.free_surface]`: height of the highest sphere in each column of a layer under gravity, seen from
+/// above. Wavelength and symmetry are those of samples whose contrast (standard deviation of the smoothed heights) is
+/// above the mean.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FreeSurfaceFile {
-    /// Edge of the columns, about a diameter: a tenth to a five-hundredth of each horizontal edge of the box.
+    /// Edge length of the columns, about a diameter: a tenth to a five-hundredth of each horizontal edge of the box.
     #[schemars(example = &"1 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
     pub spacing: Option<Located<Length>>,
     /// Standard deviation of the Gaussian that smooths the heights.

@@ -53,13 +53,14 @@ pub struct OutletFile {
     /// not leave.
     #[schemars(extend("x-one-of" = "shape"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
-    /// Outlet inside a closed surface of triangles from a file. Particles in cavities of the surface, and those that fly
-    /// through it within one window, do not leave.
+    /// Outlet inside a closed surface of triangles from a file. Particles in cavities of the surface, and those that
+    /// fly through it within one window, do not leave.
     #[schemars(extend("x-one-of" = "shape"))]
     pub mesh: Option<Located<OutletMeshFile>>,
 }
 
-/// Closed surface of triangles from a file, in which particles leave. It must not reach beyond periodic sides of the box.
+/// Closed surface of triangles from a file, in which particles leave. It must not reach beyond periodic sides of the
+/// box.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutletMeshFile {

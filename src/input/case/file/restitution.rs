@@ -45,7 +45,7 @@ pub enum RestitutionLawFile {
         /// Exponent q of the law e = 1 - (1 - e_1) (u/u_1)^q.
         #[schemars(example = 0.2, extend("x-required" = "always", "x-range" = "greater than 0, up to 10"))]
         exponent: Option<Located<Ratio>>,
-        /// Smallest restitution, e_min. The value 0 is for hard spheres alone.
+        /// Smallest restitution, e_min. The value 0 is only for the models hard and dsmc.
         #[schemars(example = 0.5, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
         least: Option<Located<Ratio>>,
     },

@@ -26,8 +26,8 @@ pub enum TangentialFile {
         #[schemars(example = 0.44, extend("x-range" = "greater than 0, up to 1", "x-one-of" = "spring"))]
         tangential_restitution: Option<Located<Ratio>>,
     },
-    /// Mindlin's tangential stiffness of elastic spheres, 8 G* sqrt(R δ), with memory. This law requires
-    /// `[soft.hertz]`.
+    /// Mindlin's tangential stiffness of elastic spheres, 8 G* sqrt(R δ), with memory. G* is the effective shear
+    /// modulus, R the effective radius and δ the overlap. This law requires `[soft.hertz]` or `[soft.kuwabara_kono]`.
     Mindlin {
         /// Quantity that a contact stores while its stiffness changes. Only the choice "rescaled" guarantees that a
         /// contact never creates energy.
@@ -66,7 +66,8 @@ pub enum RollingFile {
         /// normal force f_n.
         #[schemars(example = 0.05, extend("x-required" = "always", "x-range" = "greater than 0, up to 10"))]
         friction: Option<Located<Ratio>>,
-        /// Ratio of the stiffness of the rolling spring to k_n R_eff².
+        /// Ratio of the stiffness of the rolling spring to k_n R_eff², with the normal stiffness k_n and the effective
+        /// radius R_eff.
         #[schemars(example = 0.01, extend("x-default" = "2.25 μ_r²", "x-range" = "greater than 0, up to 10"))]
         stiffness_ratio: Option<Located<Ratio>>,
         /// Damping ratio of the rolling spring below its limit; 1 is critical damping.
@@ -94,7 +95,7 @@ pub enum RollingFile {
 #[serde(deny_unknown_fields)]
 pub struct TwistingFile {
     /// Damping ratio of the twisting spring; 1 is critical damping. The torque is at most (2/3) μ a f_n, with the
-    /// radius a of the contact and the normal force f_n.
+    /// coefficient μ of twisting friction, the radius a of the contact and the normal force f_n.
     #[schemars(example = 0.3, extend("default" = 0, "x-range" = "0 ..= 10"))]
     pub damping_ratio: Option<Located<Ratio>>,
 }

@@ -15,7 +15,7 @@ pub struct ShearFile {
     #[schemars(example = &"20 1/s", extend("x-required" = "always", "x-range" = "-1e9 ..= 1e9 1/s"))]
     pub rate: Option<Located<Spin>>,
     /// Displacement along z, at the start, of the periodic image one box height above each particle. A saved state
-    /// contains it.
+    /// contains this displacement.
     #[schemars(example = &"1.5 mm", extend("default" = "0 m", "x-range" = "-1e4 ..= 1e4 m"))]
     pub offset: Option<Located<Length>>,
     /// Orbit of the box, with the Coriolis force and tides of a shearing sheet.

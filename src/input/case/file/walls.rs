@@ -36,8 +36,8 @@ pub struct WallFile {
     /// Name of the wall in `[[contact.pairs]]`; several walls of one material may share a name.
     #[schemars(example = &"steel wall")]
     pub name: Option<Located<String>>,
-    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic. 0: no rebound, for hard
-    /// spheres alone. A table makes the restitution depend on the normal speed of the impact.
+    /// Restitution e, the ratio of the normal speeds after and before an impact. 1: elastic. 0: no rebound, only for
+    /// the models hard and dsmc. A table makes the restitution depend on the normal speed of the impact.
     #[schemars(example = 0.97, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
     pub restitution: Option<Located<RestitutionFile>>,
     /// Coefficient of sliding friction, μ.
@@ -52,9 +52,8 @@ pub struct WallFile {
     pub twisting_friction: Option<Located<Ratio>>,
     /// Roughness of the wall. Without this table the wall is smooth.
     pub roughness: Option<Located<RoughnessFile>>,
-    /// Temperature of a thermal wall, for the hard model and collisions by chance: the variance of a velocity component
-    /// of the spheres that leave the wall, whatever their velocity before. The restitution must be 1, and the friction
-    /// 0.
+    /// Temperature of a thermal wall, for the models hard and dsmc: the variance of a velocity component of the
+    /// spheres that leave the wall, whatever their velocity before. The restitution must be 1, and the friction 0.
     #[schemars(example = &"0.1 m^2/s^2", extend("x-range" = "greater than 0, up to 1e6 m^2/s^2"))]
     pub temperature: Option<Located<SpecificEnergy>>,
     /// Velocity of the surface in its own plane, such as that of a conveyor belt; the shape stays at rest. Allowed for
@@ -67,11 +66,12 @@ pub struct WallFile {
     pub rotation: Option<Located<WallRotationFile>>,
     /// Motion of the shape itself, for hard, soft and hybrid spheres. Without this table the shape stays at rest.
     pub motion: Option<Located<MotionFile>>,
-    /// Elasticity of this wall, if it differs from `[soft.hertz]`.
+    /// Elasticity of this wall, if it differs from that in `[soft.hertz]` or `[soft.kuwabara_kono]`.
     pub elasticity: Option<Located<ElasticityFile>>,
 }
 
-/// Table `[walls.roughness]`: facets with random inclinations, which impacts meet (Sommerfeld and Huber 1999).
+/// Table `[walls.roughness]`: a rough wall. Each impact meets a facet of the wall with a random inclination
+/// (Sommerfeld and Huber 1999).
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RoughnessFile {

@@ -20,8 +20,8 @@ pub const MOST: f64 = 1e9;
 /// would be close to the rounding error of the simulated time (1e-16 of that time).
 const MOST_LOCAL: f64 = 1e15;
 
-/// Source position of the interval of samples (instants of measurement) or of trajectory frames. Windows end at these
-/// instants. `None` if neither interval alone makes too many windows.
+/// Source position of the key that alone makes too many windows: the interval of samples (instants of measurement) or
+/// of trajectory frames. Windows end at these instants. `None` if neither key alone makes too many.
 fn too_often<'a>(file: &'a CaseFile, experiment: &Experiment) -> Option<&'a Origin> {
     let duration = experiment.run.duration;
     let samples = file.statistics.as_ref().and_then(|typed| typed.value.sample_interval.as_ref());

@@ -62,7 +62,7 @@ pub struct VariantChoice {
     pub against: Option<Located<AgainstFile>>,
 }
 
-/// Work in progress: the texts, the warnings and the model of a case that is turned into an experiment.
+/// Data that are kept while a case is turned into an experiment: source texts, warnings and the model.
 pub(super) struct Resolver {
     /// Texts of all files and arguments from which the case was read, for messages. Texts of data tables are added when
     /// they are read.

@@ -67,7 +67,7 @@ impl Resolver {
         })
     }
 
-    /// Refuses a measurement that needs a box with periodic sides along all axes, if the scene has another box.
+    /// Refuses a measurement that needs a box that is periodic along all axes, if the box of the scene is not.
     fn refuse_sides<T>(&self, typed: &Located<T>, scene: &Scene) -> Result<(), Diagnostic> {
         if scene.domain.periodic == [true; 3] {
             return Ok(());
