@@ -19,7 +19,8 @@ pub struct Compare {
     /// times, which may change the last digits of results.
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub every: Option<String>,
-    /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
+    /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable, the
+    /// value by which its differences are divided [-].
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
     pub margin: f64,
     /// Runs replicas (runs with other seeds) of every variant in batches of four and tests the answers after each
@@ -55,8 +56,8 @@ pub struct JudgeArguments {
     /// names are compared].
     #[arg(long, value_name = "FILE")]
     pub settings: Option<PathBuf>,
-    /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each quantity [-]
-    /// [default: that of --settings, or 1%].
+    /// Differences smaller than this margin count as zero; given as 1% or 0.01 of the scale of each quantity, the
+    /// value by which its differences are divided [-] [default: that of --settings, or 1%].
     #[arg(long, value_name = "SHARE", value_parser = relative_error)]
     pub margin: Option<f64>,
     /// Also gives the answer by the exit code: 0 if all quantities are equivalent, 3 if some are different, 4 if some

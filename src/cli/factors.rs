@@ -56,7 +56,8 @@ pub struct FactorRuns {
     /// steady state, such as a cooling gas].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub replicas: Option<u16>,
-    /// Shifts smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable [-].
+    /// Shifts smaller than this margin count as zero; given as 1% or 0.01 of the scale of each observable, the value
+    /// by which its shifts are divided [-].
     #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = relative_error)]
     pub margin: f64,
     /// Prints the factors, their sizes, the number of runs and their approximate time, without doing the runs.

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde::de::{MapAccess, Visitor};
 use std::borrow::Cow;
 
-/// Reference with which a variant is compared, as typed in the case.
+/// Reference with which a variant (the case with one model and some settings) is compared, as typed in the case.
 #[derive(Clone, Debug)]
 pub enum AgainstFile {
     /// Name of another variant.

@@ -166,7 +166,7 @@ pub struct GravityFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParticlesFile {
-    /// Name of the kind in messages and results.
+    /// Name of this kind of particles in messages and results.
     #[schemars(example = &"glass 2 mm", extend("x-default" = "`particles 0`, `particles 1`, …"))]
     pub name: Option<Located<String>>,
     /// Diameter of the particles, d.
@@ -245,7 +245,7 @@ pub struct PlacedFile {
     pub spin: Option<Three<Spin>>,
 }
 
-/// Table `[soft]`: settings of the soft engine.
+/// Table `[soft]`: settings of the soft engine, in which contacts are springs and dashpots.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SoftFile {
@@ -309,7 +309,7 @@ pub struct ElasticityFile {
     pub poissons_ratio: Option<Located<Ratio>>,
 }
 
-/// Table `[hard]`: settings of the hard engine.
+/// Table `[hard]`: settings of the hard engine, in which collisions are instantaneous.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HardFile {
@@ -329,7 +329,7 @@ pub struct HardFile {
     pub friction: Option<Located<ImpactRuleFile>>,
 }
 
-/// Table `[hybrid]`: settings of the hybrid engine.
+/// Table `[hybrid]`: settings of the hybrid engine, in which a touch is an instantaneous collision or a soft contact.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HybridFile {

@@ -213,7 +213,7 @@ fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mu
     }
     for (key, value) in inner {
         let name = super::tree::child_place(name, key);
-        // for a choice between laws, the description is that of the alternative with the table of the law
+        // the table of a law is described by the alternative that contains it in the choice between laws
         let law = branches(schema)
             .iter()
             .find(|branch| schema.get("oneOf").is_some() && branch["properties"].get(key).is_some());

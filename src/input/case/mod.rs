@@ -256,7 +256,7 @@ impl Case {
         matches!(self.tree.get("compare").map(|node| &node.value), Some(Value::Array(items)) if !items.is_empty())
     }
 
-    /// Checks that a reference variant exists and is not itself compared with a further variant.
+    /// Checks that a variant that is a reference exists and has no reference of its own.
     fn check_reference(&self, (name, origin): (&str, &Origin), variants: &[Checked]) -> Result<(), Diagnostic> {
         let error = |message: String, help: String| Err(self.sources.error(origin, message).help(help));
         match variants.iter().find(|(experiment, _)| experiment.name == name) {

@@ -11,11 +11,11 @@ use crate::legible::quote;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-/// Largest depth to which one set of values may use further sets.
+/// Largest number of nested `use`: a set of values may use further sets.
 const DEEPEST: usize = 8;
 
-/// Folders in which sets of values are searched for: `models/` in the folder of the case and in each folder above it,
-/// then `models/` in the current folder. Built-in sets are searched last.
+/// Folders in which sets of values (parts of cases) are searched for: `models/` in the folder of the case and in each
+/// folder above it, then `models/` in the current folder. Built-in sets are searched last.
 pub struct Library {
     folders: Vec<PathBuf>,
 }

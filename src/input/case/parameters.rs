@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 /// Number of points at which the gas velocity is listed.
 const PROFILE_POINTS: usize = 41;
 
-/// All parameters of an experiment in SI units, by the names of the case format.
+/// All parameters of an experiment in SI units, under the names of the keys of a case.
 pub fn parameters(experiment: &Experiment) -> Value {
     let scene = &experiment.scene;
     let mut domain = json!({ "size": three(&scene.domain.size), "periodic": scene.domain.periodic });

@@ -58,7 +58,7 @@ impl Case {
     /// both, the values in `arguments` replace those of the case.
     ///
     /// # Errors
-    /// There is no key, a key occurs twice, a value is empty, or an argument is not such a list.
+    /// No key is varied, a key occurs twice, a value is empty, or an argument is not such a list.
     pub fn axes(&mut self, arguments: &[String]) -> Result<Vec<SweepAxis>, Diagnostic> {
         let mut axes = self.own_axes()?;
         let mut named: Vec<SweepAxis> = Vec::new();

@@ -16,7 +16,8 @@ const SLACK: f64 = 1.01;
 /// this size, only one cell must be searched for most points.
 const CELL: f64 = 8.0;
 
-/// Replaces each corner by an earlier corner that differs only by rounding, and returns the number of replaced corners.
+/// Replaces each corner by an earlier corner that differs only by rounding, and returns the number of replaced
+/// positions. Corners of several triangles at one position count once.
 ///
 /// The coordinates are those of the file, before scaling and translation, and have at most `digits` [-] significant
 /// digits.

@@ -40,7 +40,7 @@ pub struct FluidFile {
     pub profile: Option<Located<ProfileFile>>,
 }
 
-/// Table `[fluid.turbulence]`: turbulence that particles see.
+/// Table `[fluid.turbulence]`: turbulence that particles see, as fluctuations of the gas velocity along their paths.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SeenTurbulenceFile {
@@ -67,13 +67,14 @@ pub struct LangevinFile {
     /// Kolmogorov constant C_0, which sets the Lagrangian time T_L = (k/ε)/(1/2 + 3/4 C_0).
     #[schemars(example = 5, extend("default" = 2.1, "x-range" = "0 ..= 20"))]
     pub kolmogorov_constant: Option<Located<Ratio>>,
-    /// Ratio β = T_L/T_E of the Lagrangian integral time of the gas to its integral time at a point that moves with the
-    /// mean flow. With 0, a slip through eddies does not shorten the time for which particles see them.
+    /// Ratio β = T_L/T_E of the Lagrangian integral time of the gas to its integral time at a point that moves with
+    /// the mean flow. A particle that slips through eddies sees each of them for a shorter time; with 0 this effect is
+    /// left out.
     #[schemars(example = 0.8, extend("x-default" = "0.671, so that β² = 0.45", "x-range" = "0 ..= 10"))]
     pub time_scale_ratio: Option<Located<Ratio>>,
 }
 
-/// Table `[fluid.lift]`: forces of the gas across the slip.
+/// Table `[fluid.lift]`: forces of the gas at right angles to the slip (velocity of a particle relative to the gas).
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LiftFile {
@@ -110,7 +111,7 @@ pub struct CouplingFile {
 pub enum ModulationFile {
     /// No effect on the turbulence beyond that of the mean velocity.
     None,
-    /// Damping of k and ε by the slip of the fluctuations, after Simonin (1996).
+    /// Damping of k and ε by the slip between the fluctuations of the particles and of the gas, after Simonin (1996).
     Simonin,
     /// Production of k by the mean slip, and a length of dissipation limited by the distance between particles, after
     /// Crowe (2000).
@@ -121,7 +122,7 @@ pub enum ModulationFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum DragFile {
-    /// Drag law of Schiller and Naumann (1935), which the reference paper uses.
+    /// Drag law of Schiller and Naumann (1935), which the reference paper (`docs/paper.md`) uses.
     SchillerNaumann {},
     /// Stokes drag of creeping flow, whose solution is known in closed form.
     Stokes {},

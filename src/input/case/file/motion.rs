@@ -18,8 +18,8 @@ pub struct MotionFile {
     /// Harmonic vibration of the shape.
     #[schemars(extend("x-one-of" = "motion"))]
     pub vibration: Option<Located<VibrationFile>>,
-    /// Displacements at given times, at least two, linear between them. Before the first and after the last time the
-    /// shape is at rest.
+    /// Displacements at two or more given times, with constant velocity between them. Before the first and after the
+    /// last time the shape is at rest.
     #[schemars(extend("x-one-of" = "motion"))]
     pub path: Option<Located<Vec<Located<KnotFile>>>>,
     /// Rotation of the shape about an axis, such as that of a mixer or of a drum with lifters. At time 0 the shape is

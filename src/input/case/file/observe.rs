@@ -26,7 +26,7 @@ pub struct ObserveFile {
     pub seen_gas: Option<Located<SeenGasFile>>,
     /// Shear viscosity, of a gas in equilibrium or of a sheared box.
     pub viscosity: Option<Located<ViscosityFile>>,
-    /// Clusters: groups of particles with small gaps.
+    /// Clusters: groups of particles that are connected by small gaps.
     pub clusters: Option<Located<ClustersFile>>,
     /// Free surface of a layer under gravity: waviness, wavelength and symmetry of a pattern.
     pub free_surface: Option<Located<FreeSurfaceFile>>,

@@ -10,8 +10,9 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum TangentialFile {
-    /// Linear spring and dashpot with memory. Their total force is at most the coefficient of friction times the normal
-    /// force. Give `stiffness_ratio`, or the `tangential_restitution` of impacts without sliding.
+    /// Linear spring and dashpot along the surface; the contact stores the elongation of the spring. The force of
+    /// spring and dashpot together is at most the coefficient of friction times the normal force. Give
+    /// `stiffness_ratio`, or the `tangential_restitution` of impacts without sliding.
     Linear {
         /// Ratio of the tangential stiffness to the normal one, κ = k_t/k_n.
         #[schemars(example = 0.2857)]
@@ -22,12 +23,13 @@ pub enum TangentialFile {
         #[schemars(example = 0.5, extend("default" = 0, "x-range" = "0 ..= 10"))]
         dashpot_ratio: Option<Located<Ratio>>,
         /// Ratio β_0 of the slip speed after an impact without sliding to that before. The tangential spring and
-        /// dashpot are chosen to swing for half a period in the contact time.
+        /// dashpot are chosen so that they swing for half a period during the contact.
         #[schemars(example = 0.44, extend("x-range" = "greater than 0, up to 1", "x-one-of" = "spring"))]
         tangential_restitution: Option<Located<Ratio>>,
     },
-    /// Mindlin's tangential stiffness of elastic spheres, 8 G* sqrt(R δ), with memory. G* is the effective shear
-    /// modulus, R the effective radius and δ the overlap. This law requires `[soft.hertz]` or `[soft.kuwabara_kono]`.
+    /// Mindlin's tangential stiffness of elastic spheres, 8 G* sqrt(R δ), with the effective shear modulus G*, the
+    /// effective radius R and the overlap δ. The contact stores the quantity `history`. This law requires
+    /// `[soft.hertz]` or `[soft.kuwabara_kono]`.
     Mindlin {
         /// Quantity that a contact stores while its stiffness changes. Only the choice "rescaled" guarantees that a
         /// contact never creates energy.
@@ -38,8 +40,8 @@ pub enum TangentialFile {
         #[schemars(example = 0.5, extend("default" = 0, "x-range" = "0 ..= 10"))]
         dashpot_ratio: Option<Located<Ratio>>,
     },
-    /// Friction without memory. The force acts against the slip and is the coefficient of friction times the normal
-    /// force. It is at most the force that stops the slip within one step.
+    /// Friction without a spring, for which a contact stores nothing. The force acts against the slip and is the
+    /// coefficient of friction times the normal force. It is at most the force that stops the slip within one step.
     Coulomb {},
 }
 
@@ -112,8 +114,8 @@ pub enum ImpactRuleFile {
         #[schemars(example = 0.44, extend("x-required" = "always", "x-range" = "-1 ..= 1"))]
         tangential_restitution: Option<Located<Ratio>>,
     },
-    /// Rule computed from the tangential spring of the case: the impulse in impacts of stiff soft spheres, at every
-    /// angle of impact. It is the default if the case has such a spring.
+    /// Rule computed from the tangential spring of the case: the impulse is that of stiff soft spheres with this
+    /// spring, at every angle of impact. It is the default if the case has such a spring.
     OfSpring {},
     /// Walton's rule with β_0 = 0: an impact stops the slip, or the surfaces slide throughout the impact if friction is
     /// too small.

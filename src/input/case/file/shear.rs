@@ -18,7 +18,7 @@ pub struct ShearFile {
     /// contains this displacement.
     #[schemars(example = &"1.5 mm", extend("default" = "0 m", "x-range" = "-1e4 ..= 1e4 m"))]
     pub offset: Option<Located<Length>>,
-    /// Orbit of the box, with the Coriolis force and tides of a shearing sheet.
+    /// Orbit of the box about a distant mass, with the Coriolis force and the tides of a shearing sheet.
     pub orbit: Option<Located<OrbitFile>>,
 }
 

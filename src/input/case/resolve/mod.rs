@@ -58,7 +58,7 @@ pub struct VariantChoice {
     pub seed: Option<u64>,
     /// Name of the variant; `None` means the name of its model.
     pub name: Option<String>,
-    /// Reference of this variant; `None` if the case gives none.
+    /// Reference with which this variant is compared; `None` if the case gives none.
     pub against: Option<Located<AgainstFile>>,
 }
 

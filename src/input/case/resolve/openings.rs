@@ -181,7 +181,7 @@ impl Resolver {
     /// Refuses measurements of a fixed set of particles in a scene with inlets or outlets.
     ///
     /// # Errors
-    /// The first such measurement.
+    /// An error about the first such measurement.
     pub(super) fn check_openings(&self, file: &CaseFile, scene: &Scene) -> Result<(), Diagnostic> {
         let Some(observe) = file.observe.as_ref().filter(|_| scene.has_openings()) else { return Ok(()) };
         let ObserveFile { pair_distribution, diffusion, structure_factor, .. } = &observe.value;

@@ -35,8 +35,8 @@ impl Resolver {
         Ok(Some(Turbulence { statistics, law, langevin }))
     }
 
-    /// Warns if the window that the case gives is longer than [`longest_for_eddies`] allows. A window is the time
-    /// between two exchanges with the gas.
+    /// Warns if the window that the case gives is longer than [`longest_for_eddies`] allows for the turbulence that
+    /// particles see. A window is the time between two exchanges with the gas.
     pub(super) fn check_eddies(&mut self, file: &CaseFile, experiment: &Experiment) {
         let Some(typed) = file.run.as_ref().and_then(|run| run.value.window.as_ref()) else { return };
         let Some(window) = experiment.run.window else { return };

@@ -23,8 +23,8 @@ pub struct ParticleFrame {
     pub step: Option<f64>,
     /// Box of the instant; `None` if the file gives none.
     pub domain: Option<Domain>,
-    /// Particles of the instant. Their radius is 0 m if the file gives no radii, and their mass 1 kg if it gives no
-    /// masses. Spheres rotate only if the file gives all spins, radii and masses; they are then solid.
+    /// Particles of the instant. Their radius is 0 m if the file gives no radii, and their mass 1 kg if the file gives
+    /// no masses. Spheres rotate only if the file gives all spins, radii and masses; they are then solid.
     pub particles: Particles,
     /// True if the file gives the masses of the particles.
     pub has_masses: bool,
