@@ -332,8 +332,9 @@ impl Resolver {
         Ok(Some(placed))
     }
 
-    /// Refuses an initial state that is denser than any packing of spheres, or than any random packing if it has random
-    /// positions. Also refuses too many particles. Warns if a state with random positions is denser than 0.62.
+    /// Refuses an initial state that is denser than any packing of equal spheres, or than any random packing of equal
+    /// spheres if it has random positions. Also refuses too many particles. Warns if a state with random positions is
+    /// denser than 0.62.
     fn check_packing(&mut self, file: &CaseFile, scene: &Scene, start: &[Population]) -> Result<(), Diagnostic> {
         let mut total = 0.0;
         let mut random = 0.0;
