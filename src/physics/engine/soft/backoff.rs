@@ -13,16 +13,16 @@ use crate::engine::islands::IslandCounters;
 use crate::experiment::Integrator;
 use serde::{Deserialize, Serialize};
 
-/// [ns] cost per particle of one search for touches on straight flights: the flight of the particle is computed, and
-/// the particle is sorted into a cell (as in `cheapest_part`, which chooses the interval of time for which islands are
-/// found and solved).
+/// [ns] cost per particle of one search for touches on straight flights. The search computes the flight of the
+/// particle, and sorts the particle into a cell. The choice of the time for which islands are solved (`cheapest_part`)
+/// uses the same value.
 const SEARCH: f64 = 90.0;
 
 /// [ns] cost of testing one pair of particles for a touch.
 const CHECK: f64 = 1.2;
 
-/// [ns] cost of copying a particle into an island and back: half of the cost per member of an island in
-/// `cheapest_part`.
+/// [ns] cost of copying a particle into an island and back. It is half of the cost per member in `cheapest_part`,
+/// which also contains the cost of solving the island.
 const MEMBER: f64 = 700.0;
 
 /// [ns] cost of one contact force in an island.
@@ -105,7 +105,7 @@ impl Backoff {
                 after.updates - before.updates,
             );
         let pays = islands <= fallback_cost.cost();
-        // one cheap window only halves the pause, because many windows have shown that islands cost more
+        // one cheap window only halves the pause, because earlier windows have shown that islands cost more
         self.stay = if pays { self.stay / 2 } else { (2 * self.stay).clamp(1, LONGEST) };
         self.left = if pays { 0 } else { self.stay };
     }

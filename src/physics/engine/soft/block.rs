@@ -1,8 +1,8 @@
-//! Contacts in a block: a range of slots (two particles, or a particle and a wall) of the neighbour list.
+//! Contacts in a block: a range of slots (entries: two particles, or a particle and a wall) of the neighbour list.
 //!
-//! Blocks share no data that changes, so threads evaluate them in parallel. Their results are added in the order of
-//! blocks, so the sums are equal for any number of threads. The record of a contact keeps its place in memory while the
-//! contact lasts. Only a list of eight bytes per contact, sorted by slot, is rebuilt at every step.
+//! Blocks share no data that changes, so threads evaluate blocks in parallel. The results are added in the order of
+//! blocks, so the sums are equal for any number of threads. The record of a contact keeps its place in memory while
+//! the contact lasts. Only a list of eight bytes per contact, sorted by slot, is rebuilt at every step.
 
 mod facets;
 mod renumber;
@@ -33,7 +33,7 @@ pub fn reserve<T>(list: &mut Vec<T>, room: usize) {
     }
 }
 
-/// Slot (number of the candidate) of two touching bodies, and the index of the record of their contact in the block.
+/// Slot (number in the neighbour list) of two touching bodies, and the index of the record of their contact.
 #[derive(Clone, Copy, Debug)]
 struct TouchingSlot {
     slot: u32,
@@ -52,14 +52,14 @@ pub struct ForceEvaluation {
 /// Sums over the contacts of one block (range of candidates in the neighbour list) in one force evaluation.
 #[derive(Default)]
 pub struct ForceSums {
-    /// Rows of powers [W] and forces [N] of the block's contacts, from which exact sums are made.
+    /// Rows of powers [W] and forces [N] of the block's contacts. The sums of these rows are exact in any order.
     pub rows: ContactRows,
     /// [J] elastic energy of the contacts. It is summed only for Heun's method, whose predicted state the contacts do
     /// not store.
     pub elastic_energy: f64,
     /// Numbers of contact forces computed and of candidates tested in the evaluation.
     pub done: ForceEvaluation,
-    /// Failure with the smallest ids, if an overlap is too large or a centre has passed a body; otherwise `None`.
+    /// Failure if an overlap is too large or a centre has passed a body (that with the smallest ids), or `None`.
     pub failure: Option<Failure>,
 }
 
@@ -73,7 +73,7 @@ impl ForceSums {
 /// Working memory of an evaluation, shared by blocks that are evaluated one after the other.
 #[derive(Default)]
 pub struct BlockScratch {
-    /// Powers and forces of single contacts, before they are condensed into few rows.
+    /// Powers and forces of single contacts, before these rows are condensed into a few rows with the same sums.
     rows: ContactRows,
     /// Contacts of the block at the previous step, in the order of the neighbour list.
     before: Vec<TouchingSlot>,
@@ -90,15 +90,15 @@ pub struct ContactBlock {
     /// Contacts in progress, in the order of the neighbour list.
     touching: Vec<TouchingSlot>,
     records: PackedContacts,
-    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in the order of the neighbour list.
+    /// Contacts that began in the state last predicted by Heun's method, in the order of the neighbour list.
     foreseen: Vec<Contact>,
     /// Slots (candidates) of pairs that may overlap before particles have moved by `near_until`, in ascending order.
     near: Vec<u32>,
-    /// [m] motion of particles since the list was built, up to which `near` and `near_walls` are valid, or `None`.
+    /// [m] motion of particles since the list was built, up to which both lists of near slots are valid, or `None`.
     near_until: Option<f64>,
     /// Slots (candidates) of particles that may overlap a wall before particles have moved by `near_until`.
     near_walls: Vec<u32>,
-    /// [m] for each slot of a particle and a wall: motion of particles up to which the two cannot touch.
+    /// [m] for each slot with a wall: motion of particles since the list was built, up to which the two cannot touch.
     free_until: Vec<f64>,
     /// Contact forces of the last evaluation.
     pub pushes: ForceBuffer,
@@ -127,7 +127,7 @@ impl ContactBlock {
         self.slots.contains(&(slot as usize))
     }
 
-    /// Adds a contact of one of the block's candidates. The order of its two bodies may differ from that in the list.
+    /// Adds a contact of one of the block's slots (candidates). The list may contain its bodies in opposite order.
     pub fn put(&mut self, contact: &Contact, list: &NeighbourList) {
         let Contact { touch, course, slot } = *contact;
         let course = if list.couple(slot as usize) == touch.couple { course } else { course.reversed() };
@@ -137,7 +137,7 @@ impl ContactBlock {
         self.touching.push(TouchingSlot { slot: contact.slot, record });
     }
 
-    /// Adds a contact that began in the last predicted state of a Runge-Kutta stage, and whose force has acted already.
+    /// Adds a contact that began in the state that Heun's method last predicted, and whose force has acted already.
     pub fn put_foreseen(&mut self, contact: Contact) {
         self.foreseen.push(contact);
     }
@@ -179,12 +179,12 @@ impl ContactBlock {
         })
     }
 
-    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in the order of the neighbour list.
+    /// Contacts that began in the state last predicted by Heun's method, in the order of the neighbour list.
     pub fn foreseen(&self) -> &[Contact] {
         &self.foreseen
     }
 
-    /// Finds overlaps and computes their forces. Contacts begin and end only if `view.at.opens` is true.
+    /// Finds overlaps and computes the contact forces. Contacts begin and end only if `view.at.opens` is true.
     pub fn evaluate(&mut self, view: ContactSearch, law: &ContactLaw, scratch: &mut BlockScratch) {
         self.sums.clear();
         let BlockScratch { rows, before, overlapping, near } = scratch;
@@ -219,7 +219,7 @@ impl ContactBlock {
         };
         if self.near_until.is_none_or(|until| list.travelled() > until) {
             near.clear();
-            // the factor covers rounding in the travelled distance, as in the skin of the list
+            // the factor covers rounding in the travelled distance, as for the skin (safety distance) of the list
             list.pairs_within(self.slots.clone(), skin * (1.0 + 1e-9), (particles, scene), near);
             self.near.clear();
             reserve(&mut self.near, near.len());
@@ -262,8 +262,8 @@ impl ContactBlock {
             if gap < 0.0 {
                 overlapping.push(slot);
             } else {
-                // if contacts are numbered by distance, the sphere's motion limits how fast the nearest contact
-                // approaches; a further contact may appear anywhere
+                // a sphere approaches its nearest contact with a wall no faster than it moves; but if contacts are
+                // numbered by distance, a further contact (`which` > 0) may appear at any distance
                 let numbered =
                     near.at.which > 0 && scene.walls[near.at.wall as usize].geometry.law().is_nearest_first();
                 if beyond.is_some() || !numbered {
@@ -339,7 +339,7 @@ impl ContactBlock {
         }
     }
 
-    /// Computes the forces in the predicted state of a Runge-Kutta stage. Contacts in progress are not changed.
+    /// Computes the forces in the state that Heun's method predicts. Contacts in progress are not changed.
     fn foresee(&mut self, view: ContactSearch, law: &ContactLaw, (overlapping, rows): (&[u32], &mut ContactRows)) {
         self.foreseen.clear();
         let mut next = 0;
@@ -371,7 +371,7 @@ impl ContactBlock {
         }
     }
 
-    /// Makes the contact that begins between the two bodies of the slot `slot` (candidate of the neighbour list).
+    /// Makes the contact that begins between the two bodies of the slot `slot` (number in the neighbour list).
     fn open(&self, slot: u32, view: ContactSearch, law: &ContactLaw) -> Contact {
         let ContactSearch { list, at, .. } = view;
         let mut touch = view.touching(list.couple(slot as usize), law);
@@ -487,7 +487,7 @@ fn evaluate(
         sums.failure = Some(first_named(sums.failure.take(), failure));
     }
     course.note(met);
-    // contacts begin at any instant of a step, so this sum equals the integral on average
+    // contacts begin at random instants of a step, so this sum equals, on average, the integral of the overlap
     course.overlap_time += met.overlap() * at.dt;
     let force = constants.force(couple, law, met, (particles, scene), at.moment(), [at.dt, at.to_middle]);
     if !at.travel_is_exact {

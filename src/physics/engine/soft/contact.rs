@@ -243,7 +243,7 @@ impl ContactState {
             // the centres of a pair have passed each other between the two evaluations
             return Err(refused(*couple, particles, time, (met.overlap().max(self.overlap) / diameter, limit)));
         };
-        // relative to the shape, which may move
+        // the way is measured relative to the shape of the wall, which may move
         let sliding = scene.walls[at.wall as usize].sliding_velocity(&particles.position[i]);
         let way = (met.velocity + sliding).norm() * dt;
         let distances = (reach - self.overlap) + (reach - met.overlap());
@@ -253,7 +253,8 @@ impl ContactState {
         Err(passed(particles, i, (at.wall, time), way))
     }
 
-    /// Stores overlap, rate of the overlap and normal of the present encounter, and updates the largest overlap.
+    /// Stores overlap, rate of the overlap and normal of the present encounter `met` (relative position and velocity),
+    /// and updates the largest overlap.
     pub fn note(&mut self, met: &Encounter) {
         self.normal = Some(met.normal.cast());
         self.overlap = met.overlap();
@@ -305,8 +306,8 @@ impl ContactForce {
     }
 }
 
-/// Contact constants of any two particles, if all particles are alike. Their use avoids reading the data of two
-/// particles, which are far apart in memory, at each first touch and each force.
+/// Contact constants of any two particles, if all particles are alike. With these constants, a first touch or a force
+/// need not read the data of two particles, which are far apart in memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Alike {
     constants: ContactConstants,
@@ -334,15 +335,14 @@ impl Alike {
         TouchingPair { couple, constants: self.constants }
     }
 
-    /// Species of one particle and kind (species or wall) of the other. Both are the single species to which all
-    /// particles belong.
+    /// Species of the first particle of a pair, and kind of the second. Both are the single species of all particles.
     pub fn kinds(&self) -> (u16, Kind) {
         (self.species, Kind::Species(self.species))
     }
 }
 
-/// [m/s²] acceleration of a particle by gravity, relative to the wall of a couple; 0 for a pair, since both particles
-/// fall equally.
+/// [m/s²] gravity minus the acceleration of the wall, for a particle and a wall; 0 for two particles, since both fall
+/// equally.
 #[inline(always)]
 pub(super) fn relative_gravity(
     couple: &Couple,

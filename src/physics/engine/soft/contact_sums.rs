@@ -23,8 +23,8 @@ type SpringRow = [f64; 4];
 /// Power [W] of the shear of the box on one contact, in the order of [`BY_SHEAR`], followed by three zeros.
 type ShearRow = [f64; 4];
 
-/// Rows of powers and forces, one per contact, separate for pairs and for walls. Contacts whose springs lose energy
-/// have a second row, and so have contacts across a sheared side.
+/// Rows of powers and forces, one per contact, separate for pairs and for walls. A contact whose springs lose energy
+/// has a second row, and so has a contact across a sheared side of the box.
 #[derive(Default)]
 pub struct ContactRows {
     of_pairs: Vec<SumRow>,

@@ -68,7 +68,8 @@ pub struct EvaluationTime {
     pub to_middle: f64,
     /// [-] fraction of the time step for which these forces act in the kick (change of velocities) that follows.
     pub weight: f64,
-    /// True if contacts begin and end in this evaluation; false in the predicted state of a Runge-Kutta stage.
+    /// True if contacts begin and end in this evaluation; false in the state that Heun's method predicts for the end
+    /// of a step.
     pub opens: bool,
     /// True if the distance that particles may have moved, as stored in the neighbour list, holds for the present
     /// positions (Verlet's method). False for Heun's method.
@@ -136,12 +137,12 @@ pub struct Contacts {
     blocks: Vec<ContactBlock>,
     /// Contacts in progress, in the order of the neighbour list.
     lasting: Vec<Contact>,
-    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in the order of the neighbour list.
+    /// Contacts that began in the state last predicted by Heun's method, in the order of the neighbour list.
     foreseen: Vec<Contact>,
     /// [J] elastic energy stored in all contacts; computed only for Heun's method, otherwise 0.
     elastic_energy: f64,
-    /// Powers and wall forces of the last kick (change of velocities by forces). Its second half is recorded in the
-    /// next window.
+    /// Powers and wall forces of the last kick (change of velocities by forces). The second half of this kick is
+    /// applied and recorded in the next window.
     rates: Rates,
     /// [W] parts of the friction power of the last kick (change of velocities by forces), by cause.
     losses: FrictionLosses,
@@ -154,8 +155,8 @@ pub struct Contacts {
 /// State that the last force evaluation of a window passes to the first one of the next window.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Due {
-    /// Contacts that began in the last predicted state of a Runge-Kutta stage, in the order of the neighbour list.
-    /// Their forces have already acted, so their speed of approach is that of the predicted state.
+    /// Contacts that began in the state last predicted by Heun's method, in the order of the neighbour list. Their
+    /// forces have already acted, so their speed of approach is that of the predicted state.
     foreseen: Vec<Contact>,
     /// [J] elastic energy stored in all contacts; computed only for Heun's method, otherwise 0.
     elastic_energy: f64,
@@ -258,14 +259,15 @@ impl Contacts {
         self.blocks.iter_mut().for_each(ContactBlock::look_anew);
     }
 
-    /// Discards the sums for the second half of the last kick (change of velocities by forces), because another method
-    /// has moved the contacts.
+    /// Discards the sums for the second half of the last kick (change of velocities by forces). They are not needed if
+    /// islands have moved the particles since, or if another process records them.
     pub fn forget(&mut self) {
         self.elastic_energy = 0.0;
         (self.rates, self.losses) = (Rates::default(), FrictionLosses::default());
     }
 
-    /// Replaces the contacts in progress by `contacts`, which the neighbour list must contain.
+    /// Replaces the contacts in progress by `contacts`. Their slots must be valid in the present neighbour list,
+    /// unless the list is rebuilt before the next evaluation.
     pub fn put(&mut self, contacts: Vec<Contact>) {
         self.keep_foreseen();
         self.lasting = contacts;

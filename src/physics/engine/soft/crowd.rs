@@ -1,5 +1,6 @@
-//! Crowd: an island (group of particles that may meet) that is too large for local stepping. Its particles are moved by
-//! uniform steps, as if no other particles existed. A window is the time between two exchanges with the gas.
+//! Crowd: an island (group of particles that may meet) that is too large for local stepping. Its particles are moved
+//! by uniform steps, as if no particles outside the island existed. A window is the time between two exchanges with
+//! the gas.
 
 use super::backoff::{Rival, stages};
 use super::contacts::StepRecord;
@@ -79,8 +80,8 @@ pub fn solve(
     island.particles = particles;
     result?;
     let fastest = solver.speed.pushed + island.apart_from(&solver.list.frame());
-    // in a sheared box, `pushed` is relative to the mean flow at the present positions, the limits to that at the
-    // initial positions
+    // in a sheared box, `pushed` is relative to the mean flow at the present positions, but the speed limits are
+    // relative to the mean flow at the initial positions
     let fastest = fastest * (1.0 + scene.domain.strain_rate() * end);
     if fastest > island.least_limit() {
         island.fastest = fastest;

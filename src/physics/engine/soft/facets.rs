@@ -36,9 +36,9 @@ pub(super) fn facet_turn(
     (sine > 0.0).then(|| axis * (sine.atan2(facet.dot(&normal)) / sine))
 }
 
-/// Multiplies the velocity of a particle relative to a wall at rest, and its spin, by the rotation with the rotation
-/// vector `turn` [rad]. `i` is the index of the particle. The velocity relative to the wall is the stored one plus
-/// `fallen` [m/s]. Returns the impulse [kg m/s] that the wall gives to the particle.
+/// Turns the velocity and the spin of the particle at index `i` by the rotation vector `turn` [rad]. The wall is at
+/// rest; the velocity relative to the wall is the stored velocity plus `fallen` [m/s], the velocity that gravity has
+/// added. Returns the impulse [kg m/s] that the wall gives to the particle.
 pub(super) fn turn_motion(
     particles: &mut Particles,
     i: usize,

@@ -1,5 +1,5 @@
-//! Bounds on the speeds of particles in uniform steps, by which neighbour lists are kept complete. A window is the time
-//! between two exchanges with the gas.
+//! Bounds on the speeds of particles in uniform steps. They show how long a neighbour list stays complete. A window is
+//! the time between two exchanges with the gas.
 
 use super::SoftSolver;
 use super::force_buffer::kick_all;
@@ -26,8 +26,8 @@ impl Fastest {
 }
 
 impl SoftSolver {
-    /// Changes the velocities by the forces of the last evaluation, v += a `dt` [s], and the spins by their torques.
-    /// Raises the limits of speeds.
+    /// Changes the velocities by the forces of the last evaluation: v += a `dt`, with the acceleration a and the time
+    /// `dt` [s]. Changes the spins by the torques, and raises the limits of speeds.
     pub(super) fn kick(&mut self, particles: &mut Particles, domain: &Domain, dt: f64) {
         let mass = self.alike.as_ref().map(|alike| alike.mass);
         let pushed = kick_all(&self.pushes, (particles, mass), dt, self.list.frame());

@@ -42,7 +42,7 @@ impl ContactTorque {
 pub struct StoreIndex(NonZeroU32);
 
 impl StoreIndex {
-    /// Stores `index`.
+    /// Makes the index from the number `index`, which must be below 2³² - 1.
     pub fn of(index: u32) -> Self {
         Self(NonZeroU32::MIN.saturating_add(index))
     }
@@ -123,9 +123,9 @@ impl ForceBuffer {
         self.couples.clear();
     }
 
-    /// Removes the forces on particles for which `chosen`, by index, is false. At least one particle of each contact
-    /// must be chosen. If only particle j is chosen, it becomes particle i of its entry, and the force changes its
-    /// sign.
+    /// Keeps only the forces on chosen particles: those at whose index `chosen` is true. At least one particle of each
+    /// contact must be chosen. If only particle j is chosen, it becomes particle i of its entry, and the force changes
+    /// its sign.
     pub fn leave(&mut self, chosen: &[bool]) {
         let is_chosen = |index: u32| chosen[index as usize];
         for (k, push) in self.list.iter_mut().enumerate() {
@@ -159,7 +159,7 @@ impl ForceBuffer {
             return most;
         }
         let mut push = |index: u32, force: Vector3<f64>| {
-            // an index below `first` wraps round to a number far beyond the end
+            // an index below `first` becomes a huge number, which is beyond the end of the block
             let Some(v) = part.velocities.get_mut((index as usize).wrapping_sub(part.first)) else { return };
             *v += force / mass(index as usize) * dt;
             most = most.max((*v - frame).norm_squared());
@@ -248,10 +248,11 @@ impl PerTorque<'_> {
 /// takes a few thousand ns.
 const FEW: usize = 1024;
 
-/// Applies the forces to all particles: v += a `dt` [s], and changes the spins by the torques. `common` [kg] is the
-/// mass of each particle if masses, radii and moments of inertia are equal for all, otherwise `None`. Each velocity is
-/// changed by one thread only, which applies its forces in the order of the neighbour list. Returns the largest speed
-/// [m/s], relative to `frame` [m/s], that a particle had after a force was applied.
+/// Applies the forces to all particles: v += a `dt`, with the acceleration a and the time `dt` [s]. Changes the spins
+/// by the torques. `common` [kg] is the mass of each particle if masses, radii and moments of inertia are equal for
+/// all, otherwise `None`. Each velocity is changed by one thread only, which applies its forces in the order of the
+/// neighbour list. Returns the largest speed [m/s], relative to `frame` [m/s], that a particle had after a force was
+/// applied.
 pub fn kick_all(
     pushes: &[ForceBuffer],
     (particles, common): (&mut Particles, Option<f64>),

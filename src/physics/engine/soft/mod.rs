@@ -1,5 +1,5 @@
-//! Soft spheres: contacts last for some time, which is resolved by time steps. An island is a group of particles that
-//! may meet within a window, the time between two exchanges with the gas.
+//! Engine of soft spheres, whose contacts last for some time and are resolved by time steps. An island is a group of
+//! particles that may meet within a window, the time between two exchanges with the gas.
 
 mod backoff;
 mod block;
@@ -46,23 +46,24 @@ use local::NoInstants;
 pub(in crate::engine) use local::{Allowance, InstantaneousRule, IslandScratch, ReachedTouch, SoftIslands};
 use serde::{Deserialize, Serialize};
 
-/// [ns] estimated cost of one uniform step (of all particles) per particle, without pair tests and contact forces. It
-/// can be compared with the costs in `backoff`.
+/// [ns] estimated computing time per particle of a uniform step (one time step of all particles), without pair tests
+/// and contact forces. The costs in `backoff` have the same unit.
 const UNIFORM_COST: f64 = 5.0;
 
 /// Engine of soft spheres: spring-dashpot contacts, with time steps of islands or of all particles at once.
 ///
 /// Uniform stepping is velocity Verlet in its kick-drift-kick form, in which two successive half-kicks are one kick.
-/// Within a window, velocities are therefore those of half steps, and forces are applied only to particles in contact.
-/// The dashpot uses the half-step velocity. This scheme is stable for ω_0 Δt < 2(sqrt(1+ζ²) - ζ), with the undamped
-/// angular frequency ω_0 and damping ratio ζ of a contact. Heun's method (RK2) serves the comparisons in docs/paper.md.
+/// Within a window, the stored velocities are therefore those in the middle of steps, and the dashpot uses them.
+/// Gravity is added to the velocities at the end of the window, so a step changes only the velocities of particles in
+/// contact. This scheme is stable for ω_0 Δt < 2(sqrt(1+ζ²) - ζ), with the undamped angular frequency ω_0 and damping
+/// ratio ζ of a contact. Heun's method (RK2) serves the comparisons in docs/paper.md.
 pub type Soft = Driver<SoftSolver>;
 
 /// Solver of soft spheres: islands by local stepping, all particles at once by uniform stepping.
 pub struct SoftSolver {
     stepping: SoftStepping,
     pub(in crate::engine) islands: SoftIslands,
-    /// Number of windows in which islands are not tried, because they cost more than uniform steps (stepping `Auto`).
+    /// Pause in which islands are not tried, because they cost more than uniform steps; only with stepping `Auto`.
     patience: Backoff,
     /// Number of uniform steps since the start of the run.
     steps: u64,
@@ -72,24 +73,24 @@ pub struct SoftSolver {
     pub(in crate::engine) list: NeighbourList,
     pub(in crate::engine) contacts: Contacts,
     /// True if the contacts in progress are stored in `contacts` alone, because the last steps were uniform. False if
-    /// the driver stores them. If processes share the steps, the value is false too, and `contacts` contains copies of
-    /// the contacts.
+    /// the driver (the caller of this solver) stores the contacts. If processes share the steps, the value is false
+    /// too, and `contacts` contains copies of the contacts.
     keeps_contacts: bool,
-    /// Forces of the last evaluation. At the end of a window, these are the forces of the first half-kick (change of
-    /// velocities over half a step) of the next window (Verlet).
+    /// Contact forces of the last evaluation. In Verlet's method, a window begins with a half-kick (change of
+    /// velocities over half a step) by the forces at the end of the previous window.
     pub(in crate::engine) pushes: Vec<ForceBuffer>,
     /// Working memory: forces of the first stage of Heun's method.
     before: Vec<ForceBuffer>,
     pub(in crate::engine) counters: Counters,
-    /// [m/s] upper limits of speeds, relative to the frame in which the neighbour list measures motion.
+    /// [m/s] upper limits of speeds, relative to the moving frame in which the neighbour list measures motion.
     pub(in crate::engine) speed: Fastest,
     /// [m] smallest radius of any particle, for the check of passages through thin walls; `None` without thin walls.
     smallest: Option<f64>,
-    /// True if the scene has rough walls, whose contacts turn velocities.
+    /// True if the scene has rough walls, which turn the velocities of the particles that touch them (`facets`).
     has_rough_walls: bool,
-    /// Ids of the particles of a crowd (large island), while numbers from 0 replace them in the store; otherwise empty.
+    /// Ids of the particles of a crowd (large island) while the particle store holds numbers instead; otherwise empty.
     ids: Vec<u32>,
-    /// True if `pushes` contains the forces of the present state (Verlet).
+    /// True if `pushes` contains the forces at the present positions (Verlet's method).
     pub(in crate::engine) has_forces: bool,
     /// True if the particles were last moved by uniform steps, not by islands.
     pub(in crate::engine) ran_last: bool,
@@ -99,7 +100,7 @@ pub struct SoftSolver {
     pub(in crate::engine) shared: SharedSteps,
 }
 
-/// State of the solver that a stored run contains between two windows.
+/// State of the solver between two windows, as it is stored together with a run.
 #[derive(Serialize, Deserialize)]
 pub struct SoftState {
     patience: Backoff,
@@ -108,7 +109,7 @@ pub struct SoftState {
     /// Present neighbour list. A list that is built anew for the present positions would contain other pairs, in
     /// another order.
     list: NeighbourList,
-    /// Forces of the half-kick (change of velocities over half a step) that is not yet applied (Verlet).
+    /// Forces of the half-kick (change of velocities over half a step) at the start of the next window (Verlet).
     pending: ForceBuffer,
     due: Due,
     has_forces: bool,
@@ -179,7 +180,7 @@ impl SoftSolver {
         let view = ContactSearch { list: &self.list, particles, scene, at, mine, alike: self.alike.as_ref() };
         let done = self.contacts.evaluate(view, &mut self.pushes, book)?;
         if let Some(mine) = mine {
-            // other processes apply the forces on their own particles
+            // each process applies only the forces on its own particles
             self.pushes.iter_mut().for_each(|pushes| pushes.leave(mine));
         }
         self.counters.pair_checks += done.checks;
@@ -188,7 +189,7 @@ impl SoftSolver {
     }
 
     /// Applies the half-kick (change of velocities over half a step of `dt` [s]) at the start of a window. The forces
-    /// are those at the end of the previous window, or those at the start of the run.
+    /// are those at the end of the previous window, or computed here if there are none (such as after islands).
     fn first_half_kick(
         &mut self,
         particles: &mut Particles,
@@ -198,7 +199,7 @@ impl SoftSolver {
         ghosts: &mut dyn GhostExchange,
     ) -> Result<(), Failure> {
         if !self.has_forces {
-            // contacts may be in progress at the start of a run; their first half-kick is applied like any other
+            // contacts may already be in progress; their first half-kick is applied like any other
             let at = EvaluationTime {
                 to_middle: 0.25 * dt,
                 weight: 0.0,
@@ -251,7 +252,7 @@ impl SoftSolver {
             }
             let last = step + 1 == steps;
             let at = EvaluationTime {
-                // positions have just moved with these velocities, which are those of the half step
+                // positions have just been moved with the stored velocities, which are those in the middle of the step
                 fall: elapsed + 0.5 * dt,
                 to_middle: 0.5 * dt,
                 weight: if last { 0.5 } else { 1.0 },
@@ -315,7 +316,7 @@ impl SoftSolver {
         self.alike = Alike::of(particles, scene, &self.islands.law);
         let result = match self.integrator {
             Integrator::VelocityVerlet => self.verlet(particles, scene, (window, steps as u64), book, ghosts),
-            // Heun's method is included for the paper, whose spheres do not rotate
+            // Heun's method is only for comparison with the paper of docs/paper.md, whose spheres do not rotate
             Integrator::Rk2 if scene.rotation.is_some() => {
                 self.verlet(particles, scene, (window, steps as u64), book, ghosts)
             }
@@ -343,8 +344,8 @@ impl SoftSolver {
     }
 }
 
-/// Time of a force evaluation `elapsed` [s] after the start of the window, for positions and velocities of one instant.
-/// The forces act for a whole step of `dt` [s].
+/// Time of a force evaluation `elapsed` [s] after the start of the window. Positions and velocities belong to the same
+/// instant. The forces act for a whole step of `dt` [s].
 fn instant(window: Window, elapsed: f64, dt: f64) -> EvaluationTime {
     let remaining = window.duration - elapsed;
     EvaluationTime {
@@ -370,8 +371,7 @@ impl Solver for SoftSolver {
         &self.islands
     }
 
-    /// Finds the contacts in progress at the start of a run. Uniform steps need no such search: their first evaluation
-    /// finds the contacts.
+    /// Finds the contacts in progress at the start of a run. Uniform steps find contacts in their first evaluation.
     fn begin(&mut self, work: &mut Work<Contact>, window: Window) {
         if self.stepping != SoftStepping::Uniform {
             self.rebuild(work.particles, work.scene, self.longest_step.min(window.duration));
@@ -388,8 +388,8 @@ impl Solver for SoftSolver {
         _window: Window,
     ) -> Option<f64> {
         if self.stepping == SoftStepping::Auto {
-            // an island that costs half as much as uniform steps of all particles is given up, so that a trial does not
-            // cost as much as many windows
+            // an island is given up when it has cost half as much as uniform steps of all particles would; otherwise a
+            // failed trial could cost as much as many windows
             self.islands.allowance.each = 0.5 * self.uniform_work(population.count, 1.0, [0; 2]).cost();
         }
         match self.stepping {

@@ -1,4 +1,4 @@
-//! Compact records of the contacts in progress of one block, a range of candidates in the neighbour list. Contacts
+//! Compact records of the contacts in progress of one block (range of candidates in the neighbour list). Contacts
 //! between bodies of the same kinds have equal constants, which are stored only once (for up to 16 different sets of
 //! constants). The contacts are stored in chunks of equal length.
 
@@ -37,7 +37,8 @@ impl PackedContact {
         Self { normal_speed, overlap, growth, overlap_time, began, first_overlap, maximum_overlap, normal, constants }
     }
 
-    /// State of the contact so far. The springs in the returned state are empty, because they are stored elsewhere.
+    /// State of the contact so far. The springs in the returned state are empty, because [`PackedContacts`] stores
+    /// them.
     #[inline(always)]
     pub fn course(&self) -> ContactState {
         let Self { normal_speed, overlap, growth, overlap_time, began, normal, .. } = *self;
@@ -91,17 +92,16 @@ pub struct PackedContacts {
     constants: Vec<ContactConstants>,
     /// Indices in `constants`, from `SHARED` on, whose entries no contact uses.
     unused: Vec<u32>,
-    /// [m] shears of the contacts in `kept`, in lists of the same lengths; empty if contacts have no tangential
-    /// springs.
+    /// [m] shears of the contacts in `kept`, at the same indices; empty if contacts have no tangential springs.
     shears: Vec<Vec<Vector3<f64>>>,
-    /// States of the rolling and twisting springs of the contacts in `kept`, in lists of the same lengths; empty
-    /// without such springs.
+    /// States of the rolling and twisting springs of the contacts in `kept`, at the same indices; empty without such
+    /// springs.
     resistances: Vec<Vec<ResistanceMemory>>,
-    /// [m/s] slips at first touch of the contacts in `kept`, in lists of the same lengths; empty if spheres do not
-    /// rotate. `None` for a contact whose first slip is not recorded.
+    /// [m/s] slips at first touch of the contacts in `kept`, at the same indices; empty if spheres do not rotate.
+    /// `None` for a contact whose first slip is not recorded.
     first_slips: Vec<Vec<Option<Vector3<f32>>>>,
-    /// [rad] rotation vectors of the contacts in `kept` with rough walls, in lists of the same lengths; empty if no
-    /// contact has one. `None` for a contact without a rotation vector.
+    /// [rad] rotation vectors by which rough walls have turned velocities, for the contacts in `kept` at the same
+    /// indices. Empty if no contact has one; `None` for a contact without one.
     facets: Vec<Vec<Option<Vector3<f64>>>>,
 }
 
@@ -185,7 +185,8 @@ impl PackedContacts {
         (&self.constants[kept.constants as usize], kept)
     }
 
-    /// Constants and present state of the contact at `index`. The springs in the state are empty.
+    /// Constants and present state of the contact at `index`, without its springs ([`whole`](Self::whole) includes
+    /// them).
     #[inline(always)]
     pub fn get(&self, index: u32) -> (&ContactConstants, ContactState) {
         let kept = &self.kept[index as usize / CHUNK][index as usize % CHUNK];

@@ -36,7 +36,7 @@ impl SoftSolver {
             let i = near.particle as usize;
             let from = particles.position[i];
             let to = from + (particles.velocity[i] + fall) * dt;
-            // the scene is that of the beginning of the window
+            // the walls of `scene` are where they were at the beginning of the window
             let ahead = [elapsed, elapsed + dt];
             if scene.walls[near.at.wall as usize].is_passed([&from, &to], particles.radius[i], ahead) {
                 let instant = (near.at.wall, window.start + elapsed);

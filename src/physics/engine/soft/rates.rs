@@ -40,7 +40,7 @@ impl std::ops::AddAssign for Rates {
     }
 }
 
-/// Sums over one step of a contact without friction; its normal is taken as constant.
+/// Sums over one step of a contact without friction. The normal of the contact is taken as constant during the step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AlongNormal {
     /// [W] power dissipated by the dashpot, as a mean over the step.

@@ -129,8 +129,8 @@ impl Resistance {
 
 impl RollingMotion {
     /// Torque and power of the resistance at the end of a uniform step, in which the mean spin has turned the contact
-    /// by `angle` [rad] about the normal. `driven` [m/s²] is the rolling acceleration by the tangential force. Updates
-    /// `memory`.
+    /// by `angle` [rad] about the normal. `driven` [m/s²] is the rolling acceleration that the tangential force
+    /// causes. Updates `memory`.
     pub fn resist(
         &self,
         memory: &mut ResistanceMemory,

@@ -139,8 +139,8 @@ impl ContactConstants {
         RotatingForce { force, torque, shear, losses }
     }
 
-    /// Resistance to rolling and twisting at the end of a step; zero until the contact has lasted for one contact time.
-    /// This is a separate function, because few scenes have resistance.
+    /// Resistance to rolling and twisting at the end of a step; zero until the contact has lasted for one contact
+    /// time. This function is not inlined, because few scenes have resistance.
     #[inline(never)]
     fn resist(
         &self,
@@ -164,7 +164,7 @@ impl ContactConstants {
     }
 }
 
-/// Motion of a contact in a step, from which its resistance to rolling and twisting follows.
+/// Motion and forces of a contact in a step, from which its resistance to rolling and twisting is computed.
 struct SurfaceTurn {
     /// [-] lever arm of the tangential force divided by the radius of the sphere.
     arm: f64,

@@ -1,5 +1,5 @@
-//! Contacts of a block with rough walls that begin or end in a step. A slot is the number of a candidate (pair, or
-//! particle and wall) in the neighbour list.
+//! Contacts with rough walls that begin or end in a step, for one block (range of slots). A slot is the number of a
+//! candidate (pair, or particle and wall) in the neighbour list.
 
 use super::ContactBlock;
 use crate::encounter::Couple;
@@ -14,7 +14,8 @@ pub struct FacetTurns {
     /// Slots (numbers of candidates) of contacts that begin, in ascending order, with the rotation vectors [rad] by
     /// which velocities have been turned.
     begun: Vec<(u32, Vector3<f64>)>,
-    /// Couples of contacts that have ended, with the rotation vectors [rad] of their beginning.
+    /// Couples (pairs of bodies) whose contacts have ended, with the rotation vectors [rad] by which their velocities
+    /// were turned at the beginning.
     ended: Vec<(Couple, Vector3<f64>)>,
 }
 
@@ -63,8 +64,8 @@ impl ContactBlock {
         }
     }
 
-    /// Removes finished contacts with rough walls, and those that were expected to begin and did not.
-    /// Appends their couples and rotation vectors [rad] to `left`.
+    /// Moves the contacts with rough walls that have ended, or that were expected to begin and did not, to `left`. The
+    /// entries of `left` are couples (pairs of bodies) and rotation vectors [rad].
     pub fn take_left_facets(&mut self, list: &NeighbourList, left: &mut Vec<(Couple, Vector3<f64>)>) {
         let FacetTurns { begun, ended } = &mut self.facets;
         left.append(ended);

@@ -1,5 +1,6 @@
-//! Contacts with a wall that numbers its contacts by distance. The record of a contact follows the contact's normal,
-//! not its number. A slot is the number of a candidate (pair, or particle and wall) in the neighbour list.
+//! Contacts with a wall, such as a mesh, that numbers its contacts with a sphere by distance, the nearest first. As
+//! the sphere moves, the numbers change. The record of a contact is therefore found by the normal of the contact, not
+//! by its number. A slot is the number of a candidate (pair, or particle and wall) in the neighbour list.
 
 use super::{ContactBlock, TouchingSlot};
 use crate::encounter::{AtWall, Couple, Other};
@@ -36,8 +37,8 @@ impl ContactBlock {
         }
     }
 
-    /// Assigns the present slots (numbers of candidates) to the contacts of one particle with one wall. Contacts that
-    /// no longer exist are moved to the end of `touching`; the function returns their number.
+    /// Assigns the present slots (numbers of candidates) to the contacts `touching` of one particle with one wall.
+    /// Contacts that no longer exist are moved to the end of `touching`; the function returns their number.
     fn renumber_at_wall(&self, view: ContactSearch, couple: Couple, touching: &mut [TouchingSlot]) -> usize {
         let ContactSearch { list, particles, scene, at, .. } = view;
         let all = encounters(&couple, particles, scene, at.moment());
