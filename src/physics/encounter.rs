@@ -2,10 +2,10 @@
 //! relative position and velocity, and the time at which they touch. All engines and predictions use these functions,
 //! so that most other code treats pairs and walls in the same way.
 //!
-//! The functions that are called for every pair are always inlined. Most calls pass a constant [`FrameTime`] and a
-//! constant type of the second body (particle or wall). After inlining, the compiler therefore removes half of the code
-//! of these functions. Without inlining, their calls take a tenth of the computing time of case D of the paper
-//! (docs/paper.md) with soft spheres.
+//! The functions that are called for every pair are always inlined. In most calls the [`FrameTime`] and the type of
+//! the second body (particle or wall) are known to the compiler, which can then remove half of the code of these
+//! functions. Without inlining, their calls take a tenth of the computing time of case D of the paper (docs/paper.md)
+//! with soft spheres.
 
 mod wall_motion;
 
@@ -222,8 +222,8 @@ impl Couple {
         [Some(self.i), self.j()]
     }
 
-    /// Returns this couple with new indices of its particles, after the particle store was reordered. `index_of`
-    /// returns the new index for an old one.
+    /// Returns this couple with the new indices of its particles, after the particle store was reordered. `index_of`
+    /// returns the new index of the particle with a given old index.
     pub fn moved(self, index_of: impl Fn(u32) -> u32) -> Self {
         let other = match self.other {
             Other::Particle(j) => Other::Particle(index_of(j)),

@@ -14,8 +14,8 @@ pub struct Bodies {
     pub effective_radius: f64,
     /// [-] normal restitution e of an isolated impact, which the law must reproduce.
     pub restitution: f64,
-    /// Restitution as a function of the normal speed; `restitution` is its value at one usual speed, which predictions
-    /// use. `None` if the restitution is constant.
+    /// Restitution as a function of the normal speed. The field `restitution` is then its value at one typical speed,
+    /// for predictions. `None` if the restitution is constant.
     #[serde(skip)]
     pub by_speed: Option<RestitutionBySpeed>,
     /// Elasticity of each body; `None` for a body with the elasticity of the contact law.

@@ -241,7 +241,7 @@ mod tests {
                 deepest = deepest.max(state[0]);
                 elapsed += step;
             }
-            // the end lies within a step; the force has an infinite slope at touch, which reduces the order of the
+            // the end lies within a step; at touch the slope of the force is infinite, which reduces the order of the
             // method
             let rebound = -state[1] / speed;
             assert!((rebound - restitution).abs() < 2e-4, "{restitution}: {rebound}");

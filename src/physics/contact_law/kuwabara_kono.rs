@@ -15,9 +15,9 @@ use crate::scene::Elasticity;
 /// give a constant restitution, or a restitution that is another function of the speed. Impacts at 1 m/s then have the
 /// restitution `Bodies::restitution`.
 ///
-/// The contact ends when δ = 0, so the force attracts a little at the end. The law is valid while δ is small compared
-/// with the radius, and while the impact is slow compared with the speed of sound and with the relaxation of the
-/// material.
+/// The contact ends when δ = 0, so the force is slightly attractive at the end. The law is valid while δ is small
+/// compared with the radius, and while the impact is slow compared with the speed of sound and with the relaxation of
+/// the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KuwabaraKono {
     /// Elasticity of every body for which a case gives no elasticity.

@@ -10,8 +10,8 @@ use std::f64::consts::PI;
 /// when δ = 0, so the force is slightly attractive at the end, and the restitution is exactly the required one. The law
 /// is valid if δ is small compared with the radius.
 ///
-/// The constants between two bodies are the stiffness k_n [N/m] and the dashpot 2 γ_n M [N s/m]. Here γ_n = ζ ω_0, with
-/// the damping ratio ζ and the undamped angular frequency ω_0 = sqrt(k_n/M) (the paper, below Eq. 6).
+/// The constants between two bodies are the stiffness k_n [N/m] and the dashpot 2 γ_n M [N s/m]. Here γ_n = ζ ω_0,
+/// with the damping ratio ζ and the undamped angular frequency ω_0 = sqrt(k_n/M) (below Eq. 6 of that paper).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearSpringDashpot {
     /// [N/m] normal stiffness k_n of the linear spring.
@@ -48,14 +48,16 @@ impl Law for LinearSpringDashpot {
         0.5 * spring.stiffness * overlap * overlap
     }
 
-    /// Returns the contact time T_c = π / sqrt(ω_0² - γ_n²) [s] (the paper's Eq. 7), with the undamped angular
-    /// frequency ω_0 and the damping γ_n. It does not depend on the speed, and is infinite for the restitution 0.
+    /// Returns the contact time T_c = π / sqrt(ω_0² - γ_n²) [s] (Eq. 7 of the paper in docs/paper.md), with the
+    /// undamped angular frequency ω_0 and the damping γ_n. It does not depend on the speed, and is infinite for the
+    /// restitution 0.
     fn contact_time(&self, spring: &Spring, _speed: f64) -> f64 {
         let ratio = damping_ratio(spring.restitution);
         PI / (undamped(spring) * (1.0 - ratio * ratio).sqrt())
     }
 
-    /// Returns the largest overlap [m] of an impact at the normal speed `speed` [m/s], by Eq. 10 of the paper.
+    /// Returns the largest overlap [m] of an impact at the normal speed `speed` [m/s], by Eq. 10 of the paper in
+    /// docs/paper.md.
     fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64 {
         reduced_overlap(spring.restitution) * speed * (spring.effective_mass / spring.stiffness).sqrt()
     }
@@ -74,7 +76,8 @@ impl Law for LinearSpringDashpot {
         (PI * energy / (2.0 * spring.stiffness)).sqrt()
     }
 
-    /// Returns the overlap [m] and its rate [m/s] as functions of the time [s] since touch, by Eq. 6 of the paper.
+    /// Returns the overlap [m] and its rate [m/s] as functions of the time [s] since touch, by Eq. 6 of the paper in
+    /// docs/paper.md.
     fn course(&self, spring: &Spring, speed: f64) -> Box<dyn Fn(f64) -> (f64, f64)> {
         let ratio = damping_ratio(spring.restitution);
         let damping = ratio * undamped(spring);

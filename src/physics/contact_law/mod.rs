@@ -1,9 +1,9 @@
 //! Contact laws of soft spheres. A contact law gives the force with which two touching bodies push each other apart.
 //!
-//! A law is one file of this folder with a variant of [`ContactLaw`], or a type of the calling program (which uses this
-//! library) as [`ContactLaw::Other`]. A law must define four functions: the constants between two bodies, the force,
-//! the stored energy, and the parameters. All other quantities are computed by numerical integration ([`numerical`]),
-//! unless the law has closed forms.
+//! Each law of this library has one file in this folder and one variant of [`ContactLaw`]. A program that uses this
+//! library can add its own type as [`ContactLaw::Other`]. A law must define four functions: the constants between two
+//! bodies, the force, the stored energy, and the parameters. All other quantities are computed by numerical
+//! integration ([`numerical`]), unless the law has closed forms.
 //!
 //! Sign convention: the overlap δ [m] is positive while the bodies touch. Its rate is minus the normal velocity u_n
 //! [m/s], which is negative while the bodies approach. A contact ends when δ = 0, the convention of the paper that
@@ -74,13 +74,13 @@ use std::f64::consts::PI;
 /// assert!((law.greatest_overlap(&spring, 1.0) / deepest - 1.0).abs() < 1e-6);
 /// ```
 pub trait Law: std::fmt::Debug + Send + Sync {
-    /// Constants of the law between two bodies. The elastic force between them is that of the law, multiplied by
+    /// Constants of the law between two bodies. The elastic force between the bodies is that of the law, multiplied by
     /// [`stiffness_ratio`](Bodies::stiffness_ratio).
     fn between(&self, bodies: &Bodies) -> Spring;
 
-    /// [N] elastic and viscous parts of the normal force at the overlap δ [m] and the normal velocity u_n [m/s]. A step
-    /// at the end of a contact may use a small negative overlap, so the function must be smooth at δ = 0. The elastic
-    /// force at a negative overlap is attractive.
+    /// [N] elastic and viscous parts of the normal force at the overlap δ [m] and the normal velocity u_n [m/s]. A
+    /// step at the end of a contact may use a small negative overlap, so the function must be continuous at δ = 0. The
+    /// elastic force at a negative overlap is attractive.
     fn force(&self, spring: &Spring, overlap: f64, normal_velocity: f64) -> (f64, f64);
 
     /// [J] energy stored at overlap δ [m]: the work of the elastic force since touch.
@@ -266,7 +266,8 @@ impl ContactLaw {
         with_law!(self, law => law.stored_energy(spring, overlap))
     }
 
-    /// [J] largest energy that a contact at the overlap `overlap` [m] can give back as kinetic energy; never negative.
+    /// [J] largest energy that a contact at the overlap `overlap` [m] can give back as kinetic energy: its stored
+    /// energy, counted from the minimum of the stored energy.
     #[inline]
     pub fn available_energy(&self, spring: &Spring, overlap: f64) -> f64 {
         with_law!(self, law => law.stored_energy(spring, overlap) + law.well_depth(spring))
@@ -370,7 +371,7 @@ impl Law for Stiffened {
         self.law.stored_energy(spring, overlap)
     }
 
-    /// Parameters of the unchanged law, with the first parameter multiplied by `factor`.
+    /// Parameters of the unchanged law, with the first of them, the elastic constant, multiplied by `factor`.
     fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = self.law.parameters();
         parameters.iter_mut().take(1).for_each(|first| first.value *= self.factor);
@@ -390,8 +391,8 @@ impl Law for Stiffened {
     }
 }
 
-/// [-] damping ratio ζ = -ln e / sqrt(π² + ln² e) of a linear spring and dashpot with the restitution e (the paper,
-/// below Eq. 6). It is 1 for e = 0.
+/// [-] damping ratio ζ = -ln e / sqrt(π² + ln² e) of a linear spring and dashpot with the restitution e (below Eq. 6
+/// of the paper in docs/paper.md). It is 1 for e = 0.
 pub fn damping_ratio(restitution: f64) -> f64 {
     if restitution <= 0.0 {
         return 1.0;
@@ -401,7 +402,8 @@ pub fn damping_ratio(restitution: f64) -> f64 {
 }
 
 /// [-] largest overlap of an impact at the normal speed u on a linear spring and dashpot, divided by u/ω_0, with the
-/// undamped angular frequency ω_0. With the damping ratio ζ it is exp(-ζ arccos ζ / sqrt(1 - ζ²)) (the paper's Eq. 10).
+/// undamped angular frequency ω_0. With the damping ratio ζ it is exp(-ζ arccos ζ / sqrt(1 - ζ²)) (Eq. 10 of the paper
+/// in docs/paper.md).
 pub fn reduced_overlap(restitution: f64) -> f64 {
     let ratio = damping_ratio(restitution);
     if ratio >= 1.0 {

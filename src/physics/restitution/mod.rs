@@ -1,8 +1,7 @@
 //! Restitution that depends on the speed of the impact.
 //!
-//! Every law gives e as a function of the normal speed u of approach. A law contains no masses: its constants are valid
-//! for the two kinds of bodies for which a case (input file) gives them. A constant restitution is given in the same
-//! way.
+//! Every law gives e as a function of the normal speed u of approach. A law contains no masses. Its constants are
+//! valid only for the two kinds of bodies for which a case (input file) gives them, as is a constant restitution.
 
 mod viscoelastic;
 
@@ -61,8 +60,8 @@ pub enum RestitutionBySpeed {
 }
 
 impl RestitutionBySpeed {
-    /// Restitution of viscoelastic spheres that is e_1 = `restitution` [-], 0 < e_1 <= 1, at the normal speed `speed`
-    /// [m/s].
+    /// Makes the law of viscoelastic spheres whose restitution at the normal speed `speed` [m/s] is e_1 =
+    /// `restitution` [-], 0 < e_1 <= 1.
     pub fn viscoelastic(restitution: f64, speed: f64) -> Self {
         let damping = damping_for(restitution) / speed.powf(0.2); // β ∝ u^(1/5), Ramírez et al. 1999
         Self::Viscoelastic { restitution, speed, damping }

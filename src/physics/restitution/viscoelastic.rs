@@ -39,7 +39,7 @@ struct ImpactState {
 }
 
 impl ImpactState {
-    /// State after a step `h` of the independent variable, by the classical Runge-Kutta method. `slope` returns the
+    /// State after a step `h` of the integration variable, by the classical Runge-Kutta method. `slope` returns the
     /// derivatives of a state with respect to this variable.
     fn step(&self, h: f64, slope: impl Fn(&Self) -> Self) -> Self {
         let along = |slope: &Self, h: f64| Self {
@@ -92,9 +92,9 @@ fn integrate(damping: f64) -> ViscoelasticImpact {
     }
 }
 
-/// Values of the table at β/(1 + β), with the damping number β and the restitution e: (1 + β) e^(1/5), the duration,
-/// and the largest overlap times (1 + β)^(2/5). They are smooth functions of β/(1 + β), so that they can be
-/// interpolated.
+/// Three values that the table stores for the damping number β = `damping`: (1 + β) e^(1/5) with the restitution e,
+/// the duration, and the largest overlap times (1 + β)^(2/5). These values are smooth functions of β/(1 + β), so they
+/// can be interpolated.
 fn smooth(damping: f64) -> [f64; 3] {
     let ViscoelasticImpact { restitution, duration, depth } = integrate(damping);
     let stretched = 1.0 + damping;
@@ -116,8 +116,8 @@ static TABLE: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
 ///
 /// For small β, e = 1 - C1 β + C2 β² - ... with C1 = 1.15344 and C2 = 3/5 C1² (Ramírez, Pöschel, Brilliantov and
 /// Schwager 1999, Phys. Rev. E 60, 4465). The series diverges for fast impacts; this function is the solution of the
-/// equation of motion, to 2e-9. An impact ends when the overlap is zero, so the force attracts at its end. Beyond β =
-/// 9, where e is below 1e-4, e falls as β^-5, and the duration is that of β = 9.
+/// equation of motion, to 2e-9. An impact ends when the overlap is zero, so the force is attractive at the end. Beyond
+/// β = 9, where e is below 1e-4, e falls as β^-5, and the duration is that of β = 9.
 pub fn viscoelastic_impact(damping: f64) -> ViscoelasticImpact {
     let stretched = 1.0 + damping;
     let place = (damping / stretched).min(LARGEST) / LARGEST * INTERVALS as f64;

@@ -18,8 +18,8 @@ pub enum ImpactRule {
         tangential_restitution: f64,
     },
     /// Rule of stiff soft spheres: the slip s becomes s' = μ u_n Φ(s/(μ u_n)), with the friction μ, the normal speed
-    /// u_n of approach, and the function Φ of their tangential law. There is one table of Φ for each restitution and
-    /// mass ratio of the scene.
+    /// u_n of approach, and the function Φ that follows from the tangential law of soft contacts. There is one table
+    /// of Φ for each restitution and mass ratio of the scene.
     OfSpring(Arc<[ReboundTable]>),
 }
 
@@ -72,7 +72,7 @@ impl ImpactRule {
     pub const COULOMB: Self = Self::Walton { tangential_restitution: 0.0 };
 
     /// Makes the rule of stiff soft spheres from a tangential law with memory. `impacts` are the kinds of impacts
-    /// between the bodies of a scene; each gets a table.
+    /// between the bodies of a scene; a table is made for each kind.
     pub fn of_spring(law: &TangentialLaw, impacts: &[ImpactKind]) -> Self {
         let table = |&ImpactKind { restitution, mass_ratio, shear_ratio }: &ImpactKind| {
             ReboundTable::new(restitution, ObliqueImpact::of_law(law, restitution, mass_ratio, shear_ratio))

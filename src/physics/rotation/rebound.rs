@@ -38,8 +38,8 @@ pub struct ObliqueImpact {
     pub mass: f64,
 }
 
-/// Quantities of an impact at one instant, from which the rates of slip and shear follow. All values are in the units
-/// of [`ObliqueImpact`].
+/// Quantities of an impact at one instant, from which the rates of slip and shear are computed. All values are in the
+/// units of [`ObliqueImpact`].
 #[derive(Clone, Copy, Debug)]
 struct ImpactInstant {
     /// Largest tangential force over μ: max(f, 0), with the normal force f. `limit_rate` is its time derivative.
@@ -53,8 +53,8 @@ struct ImpactInstant {
     pace: f64,
 }
 
-/// State of the tangential motion: the variable over which the impact is integrated, the slip (positive in its initial
-/// direction), and the shear of the tangential spring.
+/// State of the tangential motion: the value `at` of the integration variable (time for linear laws), the slip
+/// (positive in its initial direction), and the shear of the tangential spring.
 #[derive(Clone, Copy, Debug)]
 struct State {
     at: f64,
@@ -199,9 +199,9 @@ impl ObliqueImpact {
         State { at, slip, shear }
     }
 
-    /// Number that is positive as long as a phase of the tangential motion lasts, and 0 when the next phase begins. For
-    /// sticking it is the limit minus the force. For sliding it is the rate at which the force of a sticking contact
-    /// would grow beyond the limit.
+    /// Number that is positive as long as the phase `phase` (sticking or sliding) lasts, and 0 when the next phase
+    /// begins. For sticking it is the limit minus the force. For sliding it is the rate at which the force of a
+    /// sticking contact would grow beyond the limit.
     fn goes_on(&self, phase: SlipPhase, state: &State) -> f64 {
         let ImpactInstant { limit, limit_rate, spring, rate, .. } = self.instant(state.at);
         match phase {

@@ -50,7 +50,7 @@ pub struct TwistingLaw {
     pub damping: f64,
 }
 
-/// Coefficients of rolling and twisting friction of a surface, each of which may be missing (`None`).
+/// Coefficients of rolling and twisting friction of a surface. Each of them may be missing (`None`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ResistanceFriction {
     /// [-] coefficient μ_r of rolling friction; `None`: that of the law.
@@ -135,7 +135,8 @@ impl RollingLaw {
         }
     }
 
-    /// Returns the law with another rolling friction [-], if one is given. A viscous law does not change.
+    /// Returns this law with the rolling friction `other` [-], or unchanged if `other` is `None`. A viscous law does
+    /// not change.
     pub fn with_friction(self, other: Option<f64>) -> Self {
         let Some(friction) = other else { return self };
         match self {

@@ -20,7 +20,7 @@ pub enum SpringHistory {
 }
 
 /// Constants of a spring parallel to a dashpot, with a slider that limits their total force, between two given bodies.
-/// They describe friction with memory. A stiffness of 0 means friction without memory.
+/// These constants describe friction with memory, or friction without memory if the stiffness is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpringDashpotSlider {
     /// [kg] effective mass of the relative motion that stretches the spring; M_t for a slip, 0 for spheres that do not
@@ -73,10 +73,10 @@ impl SpringDashpotSlider {
         Self { stiffness: self.stiffness * factor, dashpot: self.dashpot * factor.sqrt(), ..*self }
     }
 
-    /// Factors a and b [-] of the shear after a step: a times the shear before the step, plus b times the distance
-    /// slipped in the step. The overlap changes evenly from `before` to `after` [m]. If the contact stores the force F
-    /// = k ξ (stiffness times shear), F stays constant as k changes. The distance slipped then adds to F with the mean
-    /// stiffness of the step.
+    /// Factors a and b [-] that give the shear after a step: a times the shear before the step, plus b times the
+    /// distance slipped in the step. In the step the overlap changes evenly from `before` to `after` [m]. If the
+    /// contact stores the force F = k ξ (stiffness times shear), F stays constant as k changes. The distance slipped
+    /// then adds to F with the mean stiffness of the step.
     #[inline(always)]
     pub fn growth(&self, before: f64, after: f64) -> (f64, f64) {
         let keeps_force = match self.history {

@@ -31,7 +31,7 @@ pub struct OrbitState {
     pub angle: f64,
 }
 
-/// Constants of an isolated contact, in which no other body takes part.
+/// Constants of an isolated contact: its two bodies touch no other body.
 #[derive(Clone, Copy, Debug)]
 pub struct IsolatedContact<'a> {
     /// Contact law of the two bodies.
@@ -40,7 +40,8 @@ pub struct IsolatedContact<'a> {
     pub touch: TouchingPair,
     /// [m] distance of the centres at touch; at a wall the radius.
     pub reach: f64,
-    /// [m²/s] specific angular momentum: distance times slip.
+    /// [m²/s] specific angular momentum: distance of the centres times their tangential relative velocity; 0 at a
+    /// wall.
     pub spin: f64,
     /// [m/s²] component of gravity along the normal; 0 for a pair.
     pub gravity: f64,
@@ -54,7 +55,7 @@ impl IsolatedContact<'_> {
     /// Makes one step of `dt` [s], and adds its forces and powers to `sums`.
     #[inline(always)]
     fn step(&self, from: &OrbitState, dt: f64, sums: &mut AlongNormal) -> OrbitState {
-        // the type of the law is determined once per step, not at every stage
+        // the type of the law is looked up once per step, not at every stage
         with_law!(self.law, law => self.step_by(law, from, dt, sums))
     }
 

@@ -4,8 +4,8 @@
 //! are counted from the start of the part.
 //!
 //! The instants at which contacts begin and end are found within a step. So no contact begins or ends late, and the
-//! error of the realised restitution has the order of the integrator. The steps are Runge-Kutta of fourth order, or of
-//! second order for comparison with the paper that docs/paper.md describes.
+//! error of the restitution has the order of the integrator. The steps are Runge-Kutta of fourth order, or of second
+//! order for comparison with the paper that docs/paper.md describes.
 
 mod alone;
 mod integrate;
@@ -49,11 +49,11 @@ pub struct ReachedTouch<'a> {
 
 /// Rule that decides which touches are instantaneous impulses; all other touches begin a contact.
 pub trait InstantaneousRule: Sync {
-    /// [s] time within which no other body may reach the two bodies, if their touch is to be instantaneous. With `None`
-    /// the touch begins a contact in any case.
+    /// [s] time for which no third body may reach the two bodies if their touch is to be an instantaneous impulse.
+    /// `None` if the touch begins a contact in any case.
     fn clear_for(&self, meeting: &ReachedTouch, particles: &Particles) -> Option<f64>;
 
-    /// Applies the impulse of an instantaneous touch, and records it in `log`.
+    /// Applies the impulse of an instantaneous touch, and records the impulse in `log`.
     fn strike(&self, meeting: &ReachedTouch, particles: &mut Particles, log: &mut Log);
 }
 
@@ -77,7 +77,8 @@ pub struct SoftIslands<I = NoInstants> {
     pub integrator: Integrator,
     /// [s] longest time step while bodies of the island are in contact.
     pub step: f64,
-    /// Largest cost of an island. A more expensive island is given up, and its particles are moved by uniform steps.
+    /// Largest cost of an island. A more expensive island is given up, and its particles are moved by uniform steps
+    /// (equal steps of all particles).
     pub allowance: Allowance,
     /// Rule that decides which touches are instantaneous.
     pub instants: I,
@@ -201,8 +202,8 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
     }
 }
 
-/// Computation of one island in a part (interval of time) of a window. Velocities are relative to the frame that falls
-/// freely, from rest at the start of the part.
+/// Computation of one island in a part (interval of time) of a window. Positions and velocities are relative to a
+/// frame of reference that falls freely, from rest at the start of the part.
 struct IslandRun<'a, I> {
     engine: &'a SoftIslands<I>,
     island: &'a mut Island<Contact>,
@@ -252,7 +253,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         if self.rotates() {
             self.leave_springs();
         }
-        // returns from the falling frame to the frame at rest
+        // positions and velocities are converted from the falling frame to the frame at rest
         for (x, v) in self.particles.position.iter_mut().zip(&mut self.particles.velocity) {
             *x += self.scene.gravity * (0.5 * end * end);
             *v += self.scene.gravity * end;
@@ -269,7 +270,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         steps_cost(*force_evaluations, updates + pair_checks) > allowed
     }
 
-    /// Index of a particle in contact, or just struck, that exceeds its speed limit or is not a member of the island;
+    /// Index of a particle, in contact or just struck, that exceeds its speed limit or is not a member of the island;
     /// `None` if there is no such particle.
     fn out_of_bounds(&mut self) -> Option<usize> {
         let struck = self.struck.take();
@@ -319,7 +320,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.island.updates += self.island.list.slots() as u64;
         gaps.clear();
         for (slot, touch) in self.scratch.touches.iter().enumerate() {
-            // if the nearest contact with a wall has a gap, the further contacts have at least this gap
+            // if the nearest contact with a wall has a gap, the gaps of the further contacts are at least as large
             let before = slot.checked_sub(1).filter(|_| touch.couple.is_further() && !self.follows_normals(slot));
             let nearer = before.and_then(|slot| Some((self.scratch.touches.get(slot)?, gaps.get(slot)?)));
             let beyond =

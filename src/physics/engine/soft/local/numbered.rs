@@ -11,8 +11,8 @@ use crate::engine::soft::contact::Contact;
 use crate::engine::soft::wall_contacts::{are_of_one_wall, encounters, is_numbered_by_distance, matched};
 use nalgebra::Vector3;
 
-/// [-] gap that a slot (candidate) gets if its wall has no contact left for it, divided by the distance at touch. It is
-/// large enough to mean no touch.
+/// [-] gap of a slot (candidate) for which its wall has no contact left, divided by the distance of the bodies at
+/// touch. The value is large enough to mean that the bodies do not touch.
 const APART: f64 = 1.0;
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
@@ -50,7 +50,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let mut all = encounters(&touch.couple, self.particles, self.scene, moment);
         let normal = |contact: &&Contact| match (contact.course.normal, contact.touch.couple.other) {
             (Some(normal), _) => normal.cast(),
-            // not evaluated yet: the contact still has its number
+            // the contact has not been evaluated yet, so its number is still right
             (None, Other::Wall(at)) => all.get(at.which as usize).map_or_else(Vector3::zeros, |met| met.normal),
             (None, Other::Particle(_)) => Vector3::zeros(),
         };

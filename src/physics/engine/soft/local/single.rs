@@ -16,9 +16,9 @@ fn is_of(couple: &Couple, index: u32) -> bool {
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// [s] time from now, at most until `end` [s], for which a single contact without friction certainly remains the
-    /// only one. It is 0 if there is not exactly one contact, or if it has friction. It is also 0 if the contact is at
-    /// a curved or moving wall, or if another gap is closed.
+    /// [s] time from now, at most until `end` [s], for which a single contact without friction remains the only one.
+    /// It is 0 if there is not exactly one contact, or if it has friction. It is also 0 if the contact is at a curved
+    /// or moving wall, or if another gap is closed.
     pub(super) fn clear_time(&self, end: f64) -> f64 {
         let [contact] = self.scratch.contacts.as_slice() else { return 0.0 };
         let TouchingPair { couple, constants: ContactConstants { spring, friction, .. } } = contact.touch;
@@ -28,8 +28,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             return 0.0;
         }
         let left = end - self.now;
-        // the relative speed of the two bodies stays below this root, so neither velocity changes by more than twice
-        // the root
+        // without gravity, the relative speed of the two bodies stays below this root, so neither velocity changes by
+        // more than twice the root; the velocity that gravity adds at a wall is left out
         let met = couple.meet(self.particles, self.scene, self.moment());
         let stored = 2.0 * self.engine.law.available_energy(&spring, contact.course.overlap) / spring.effective_mass;
         let change = 2.0 * (met.normal_velocity.powi(2) + met.slip().norm_squared() + stored).sqrt();
@@ -38,7 +38,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         clear.fold(left, |least, time| if time >= 0.0 { least.min(time) } else { 0.0 })
     }
 
-    /// Separation [m] of particle i from particle j, and velocity [m/s] of i relative to j, at the present time of the
+    /// Vector [m] from particle j to particle i, and velocity [m/s] of i relative to j, at the present time of the
     /// island.
     fn relative(&self, i: usize, j: usize) -> (Vector3<f64>, Vector3<f64>) {
         relative(self.particles, self.scene, [i, j], self.moment())
@@ -68,8 +68,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         gap / (speed + self.shared(slot, couple) as f64 * change)
     }
 
-    /// [m/s] upper limit of the change of a moving wall's velocity; 0 for a wall that does not move, and for a
-    /// particle.
+    /// [m/s] upper limit of the change of velocity of the second body, if it is a moving wall; 0 for a wall that does
+    /// not move, and for a particle.
     fn swing(&self, couple: &Couple) -> f64 {
         match couple.other {
             Other::Wall(at) => 2.0 * self.scene.walls[at.wall as usize].largest_speed(),
@@ -131,7 +131,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         true
     }
 
-    /// Moves the only contact to its end, or through `clear` [s] if it lasts longer, while all other particles fly
+    /// Integrates the only contact to its end, or for `clear` [s] if it lasts longer, while all other particles fly
     /// straight. Returns the index of a particle that exceeded its speed limit or is not a member of the island;
     /// otherwise `None`.
     pub(super) fn resolve_alone(&mut self, clear: f64) -> Result<Option<usize>, Failure> {
@@ -197,7 +197,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 let along = if spin > 0.0 { slip / spin } else { Vector3::zeros() };
                 let (sin, cos) = state.angle.sin_cos();
                 let (normal, along) = (alone.normal * cos + along * sin, along * cos - alone.normal * sin);
-                // relative displacement and velocity change of the two, beyond those of a straight flight
+                // displacement and velocity change of one body relative to the other, beyond those of a straight
+                // flight
                 let straight = apart + relative * time;
                 let moved = normal * state.distance - straight;
                 let kicked = normal * state.rate + along * (alone.spin / state.distance) - relative;
@@ -209,7 +210,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 self.island.log.ledger.shear_work += mi * share * kicked.z * image;
             }
             _ => {
-                // relative to the wall, the frame falls
+                // distance from the wall after a flight without contact; gravity is included, since the wall does not
+                // fall
                 let (normal, fall) = (alone.normal, alone.gravity);
                 let straight = begin.distance + (begin.rate + 0.5 * fall * time) * time;
                 self.particles.position[i] += normal * (state.distance - straight);

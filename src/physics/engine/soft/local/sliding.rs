@@ -90,7 +90,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         self.scene.rotation.is_some()
     }
 
-    /// Makes the springs of the contacts that continue from an earlier window.
+    /// Makes the springs of the contacts that began before this island was made.
     pub(super) fn adopt_springs(&mut self) {
         self.scratch.sliding.clear();
         for k in 0..self.scratch.contacts.len() {
@@ -136,7 +136,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let (square, limit) = (force.norm_squared(), spring.limit);
         let begins = limit == 0.0 && spring.at_touch && met.normal_velocity < 0.0;
         let slides = if begins && square == 0.0 {
-            // at the touch of an undamped contact, the force of the spring and its limit both grow from zero
+            // at touch without damping, the force of the spring and the limit of this force both grow from zero
             spring.slides_from_touch(&self.engine.law, touch, met, self.engine.step)
         } else {
             square >= limit * limit * (1.0 - 1e-12)
@@ -169,7 +169,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Begins the rolling and twisting resistances that are due, and stores the start state of each trial of a step.
+    /// Begins the rolling and twisting resistances that are due, and stores the state at the start of a step.
     pub(super) fn keep_springs(&mut self) {
         if self.kinds().len() > 1 {
             self.wake_resistances();
@@ -191,7 +191,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Begins a trial of a step of `count` particles: sets rates and means to zero, and springs to their start state.
+    /// Begins a trial of a step of `count` particles. Rates and means become 0, and springs get their initial state.
     pub(super) fn begin_turning(&mut self, count: usize) {
         let scratch = &mut *self.scratch;
         scratch.losses = FrictionLosses::default();
@@ -427,8 +427,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         speed + spring.rates.force * length - (rate - of_dashpot) / constants.stiffness
     }
 
-    /// First end of a phase within a step: the estimated fraction [-] of the step, the index of the spring, and the
-    /// index of the margin (distance from the end of the phase) that becomes negative; `None` if no phase ends.
+    /// First end of a spring's phase within a step: estimated fraction [-] of the step, index of the spring, and index
+    /// of the margin (distance from the end of the phase) that becomes negative; `None` if no phase ends.
     pub(super) fn first_switch(&self) -> Option<(f64, usize, usize)> {
         let ends = self.scratch.sliding.iter().enumerate().flat_map(|(k, sliding)| {
             let [before, after] = sliding.margins;

@@ -106,8 +106,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         energies
     }
 
-    /// Subtracts the energy that springs have gained, relative to `stored` before a step of `dt` [s], from the work of
-    /// friction in this step. Also records the parts of that work.
+    /// Subtracts the energy that springs have gained in a step of `dt` [s] from the work of friction in this step.
+    /// `stored` contains their energies before the step. Also records the parts of that work.
     pub(super) fn keep_in_springs(&mut self, stored: &SpringEnergies, dt: f64) {
         let kept = self.spring_energies();
         let ledger = &mut self.island.log.ledger;

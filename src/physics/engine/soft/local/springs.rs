@@ -16,7 +16,7 @@ pub enum SpringKind {
     Slide,
     /// Rolling of the surfaces on one another.
     Roll,
-    /// Rotation of the surfaces against one another about the normal.
+    /// Rotation of one surface relative to the other about the normal.
     Twist,
 }
 
@@ -69,8 +69,7 @@ pub struct SpringMotion {
     /// [-] growth of the shear per length of relative motion. It is below 1 at first touch if the stiffness grows with
     /// the overlap.
     pub grown: f64,
-    /// [1/s] relative rates at which a change of the overlap changes the shear, the force and the dashpot of the
-    /// spring.
+    /// [1/s] relative rates at which the changing overlap changes the shear, the force and the dashpot of the spring.
     pub rates: SpringRates,
     /// [-] largest force of the spring divided by the normal force.
     friction: f64,
@@ -171,7 +170,7 @@ impl SpringMotion {
         met: &Encounter,
         (acceleration, dt): (f64, f64),
     ) -> f64 {
-        // a finite difference over this short time is accurate enough to find the end of a phase
+        // a finite difference over this short time is accurate enough to find when sliding ends
         let time = SOON * dt;
         let force = |overlap: f64, velocity: f64| {
             let (elastic, viscous) = law.force(&touch.spring, overlap, velocity);

@@ -85,7 +85,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 }
                 let contact = self.scratch.contacts.remove(k);
                 let (_, rate) = self.scratch.gaps[slot];
-                // a contact that existed at the start of the run may never have approached
+                // the bodies of a contact that existed at the start of the run may never have approached each other
                 if contact.course.normal_speed > 0.0 {
                     let now = self.window.start + self.now;
                     let impact = Impact { slip, ..contact.course.impact(contact.touch.diameter, rate, now) };
@@ -121,7 +121,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += impulse.dot(&normal);
         ledger.gravity_work += self.scene.gravity.dot(&impulse) * (self.window.duration - self.now);
-        // the new velocity is checked against the bounds of the island
+        // the island will compare the new velocity with the speed limit of the particle
         self.struck = Some(*couple);
         self.update_gaps();
     }
