@@ -185,8 +185,8 @@ impl Couple {
         matches!(self.other, Other::Wall(_))
     }
 
-    /// True if the other body is a wall with a constant normal, such as a plane. The motion in a contact without
-    /// friction is then that of one coordinate, along the normal.
+    /// True if the other body is a wall with a constant normal, such as a plane. A contact without friction then
+    /// changes only one coordinate, that along the normal.
     pub fn is_flat(&self, scene: &Scene) -> bool {
         match self.other {
             Other::Particle(_) => false,

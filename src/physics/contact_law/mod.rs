@@ -30,7 +30,8 @@ use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Contact law for the normal force. It must define four functions, from which all others can be computed.
+/// Contact law for the normal force. A law must define the four functions without a body; all other functions can be
+/// computed from these four.
 ///
 /// A law must satisfy four contracts (conditions). For a law of the calling program they are checked when a simulation
 /// is made ([`ContactLaw::check`]). The elastic force is zero at touch. The stored energy at an overlap is the work of
@@ -247,7 +248,8 @@ impl ContactLaw {
         Self::LinearSpringDashpot(LinearSpringDashpot { stiffness })
     }
 
-    /// Makes a law from a type of the calling program. The memory of the law is never freed, so that copies are cheap.
+    /// Makes a law from a type of the calling program. The law stays in memory until the program ends, so a copy of
+    /// this value is only a reference.
     pub fn other(law: impl Law + 'static) -> Self {
         Self::Other(Box::leak(Box::new(law)))
     }

@@ -148,7 +148,7 @@ pub fn damping_for(restitution: f64) -> f64 {
     if restitution >= 1.0 {
         return 0.0;
     }
-    // more halvings than the fraction of a floating-point number has bits
+    // there are more halvings than bits in the fraction of a floating-point number
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if viscoelastic_impact(middle).restitution > restitution { low = middle } else { high = middle }

@@ -82,7 +82,7 @@ impl PartialSlip {
             state[rings..].fill(RingState::Sticks);
             let amplitudes = self.tractions(&mut state[..rings], &displaced, slip * time);
             displaced = self.displacement.columns(0, rings) * &amplitudes;
-            // the integral of the distribution over its circle
+            // integral of the distribution q sqrt(1 - r²/c²) over the circle of radius c
             force = amplitudes.iter().zip(&self.radii).map(|(q, c)| 2.0 / 3.0 * PI * c * c * q).sum();
             slip -= 0.5 * time * force / self.mass;
         }

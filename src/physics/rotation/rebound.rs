@@ -259,7 +259,7 @@ impl ObliqueImpact {
                 let there = self.step(phase, &state, middle * step);
                 if self.goes_on(phase, &there) >= 0.0 { low = middle } else { high = middle }
             }
-            // a minimum step beyond the change of phase, so that time advances
+            // the step ends a little after the change of phase, so that time always advances
             state = self.step(phase, &state, high.max(1e-9) * step);
             phase = match phase {
                 SlipPhase::Stick => {
@@ -286,8 +286,8 @@ fn crowded(share: f64) -> (f64, f64) {
     (at, 30.0 * (share * (1.0 - share)).powi(2))
 }
 
-/// Table of the function Φ of an [`ObliqueImpact`]: reduced slip after an impact as a function of that before. The
-/// table is computed at the first use, because soft runs do not need it.
+/// Table of the function Φ of an [`ObliqueImpact`]: reduced slip after an impact as a function of the reduced slip
+/// before. The table is computed at the first use, because soft runs do not need it.
 #[derive(Clone, Debug)]
 pub struct ReboundTable {
     /// [-] normal restitution of the surfaces to which the table belongs.
@@ -296,7 +296,7 @@ pub struct ReboundTable {
     points: OnceLock<ReboundPoints>,
 }
 
-/// Points of a table of Φ(σ_0), the reduced slip after an impact as a function of that before.
+/// Points of a table of Φ(σ_0), the reduced slip after an impact as a function of the reduced slip before.
 #[derive(Clone, Debug)]
 struct ReboundPoints {
     /// [-] largest reduced slip σ_0 covered by `near`. Larger slips are covered by `far`.

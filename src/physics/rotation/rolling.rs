@@ -91,7 +91,7 @@ pub struct Resistance {
 pub struct RollingBodies {
     /// [m] effective radius R_eff = 1/(1/r_i + 1/r_j); at a wall the radius of the sphere.
     pub radius: f64,
-    /// [kg] effective mass of rolling or twisting by a couple: 1/(R_eff² (1/I_i + 1/I_j)), with the moments of inertia
+    /// [kg] effective mass of rolling or twisting by a torque: 1/(R_eff² (1/I_i + 1/I_j)), with the moments of inertia
     /// I.
     pub mass: f64,
     /// [kg m²] moment of inertia of bodies that roll about their contact point, I_r = 1/(1/(I_i + m_i r_i²) + 1/(I_j +

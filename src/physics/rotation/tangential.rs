@@ -39,7 +39,7 @@ pub enum LinearTangential {
         dashpot: f64,
     },
     /// [-] tangential restitution β_0 of impacts that stick, 0 < β_0 <= 1. Spring and dashpot make half an oscillation
-    /// in the contact time (equal half periods; Deen et al. 2007, Chem. Eng. Sci. 62, 28).
+    /// in the contact time (rule of equal half periods; Deen et al. 2007, Chem. Eng. Sci. 62, 28).
     Restitution(f64),
 }
 

@@ -78,8 +78,8 @@ pub struct Backoff {
 }
 
 impl Backoff {
-    /// Returns true during a pause, in which islands are not tried. The number of windows that remain of the pause then
-    /// decreases by one.
+    /// Returns true during a pause, in which islands are not tried. Each call then reduces the remaining pause by one
+    /// window.
     pub fn waits(&mut self) -> bool {
         let waits = self.left > 0;
         self.left = self.left.saturating_sub(1);

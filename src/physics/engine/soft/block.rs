@@ -59,7 +59,7 @@ pub struct ForceSums {
     pub elastic_energy: f64,
     /// Numbers of contact forces computed and of candidates tested in the evaluation.
     pub done: ForceEvaluation,
-    /// Failure if an overlap is too large or a centre has passed a body (that with the smallest ids), or `None`.
+    /// Failure with the smallest ids, if an overlap is too large or a centre has passed a body; otherwise `None`.
     pub failure: Option<Failure>,
 }
 
@@ -94,7 +94,7 @@ pub struct ContactBlock {
     foreseen: Vec<Contact>,
     /// Slots (candidates) of pairs that may overlap before particles have moved by `near_until`, in ascending order.
     near: Vec<u32>,
-    /// [m] motion of particles since the list was built, up to which both lists of near slots are valid, or `None`.
+    /// [m] motion of particles up to which `near` and `near_walls` are valid; `None` if they must be made anew.
     near_until: Option<f64>,
     /// Slots (candidates) of particles that may overlap a wall before particles have moved by `near_until`.
     near_walls: Vec<u32>,
@@ -262,8 +262,8 @@ impl ContactBlock {
             if gap < 0.0 {
                 overlapping.push(slot);
             } else {
-                // a sphere approaches its nearest contact with a wall no faster than it moves; but if contacts are
-                // numbered by distance, a further contact (`which` > 0) may appear at any distance
+                // a sphere approaches its nearest contact with a wall no faster than the sphere moves; but if contacts
+                // are numbered by distance, a further contact (`which` > 0) may appear at any distance
                 let numbered =
                     near.at.which > 0 && scene.walls[near.at.wall as usize].geometry.law().is_nearest_first();
                 if beyond.is_some() || !numbered {

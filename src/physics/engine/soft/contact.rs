@@ -41,8 +41,8 @@ fn refused(couple: Couple, particles: &Particles, time: f64, (ratio, limit): (f6
     Failure::OverlapTooLarge { time, particle, partner, ratio, limit, way: None }
 }
 
-/// Returns the one of two failures at the same time whose particle and partner have the smaller ids. If `one` is
-/// `None`, the result is `other`.
+/// Returns that one of two simultaneous failures whose particle and partner have the smaller ids. If `one` is `None`,
+/// the result is `other`.
 #[cold]
 pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
     let name = |failure: &Failure| match failure {
@@ -88,7 +88,7 @@ impl std::ops::Deref for TouchingPair {
 /// A contact in progress.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Contact {
-    /// Slot (number of the candidate) in the neighbour list.
+    /// Slot: number of the two bodies in the neighbour list.
     pub slot: u32,
     /// The two bodies that touch, and the constants of their contact.
     pub touch: TouchingPair,
@@ -278,7 +278,7 @@ impl ContactState {
     }
 }
 
-/// Present force of a contact, and the powers of its parts.
+/// Present force of a contact, and the powers of the parts of this force.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactForce {
     /// [N] force on particle i; the other body gets the opposite force.

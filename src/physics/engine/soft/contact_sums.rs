@@ -9,8 +9,8 @@ use crate::record::{AT_WALLS, BY_SHEAR, FrictionLosses, Ledger, OF_PAIRS, OF_SPR
 use crate::scene::Scene;
 use nalgebra::{Matrix3, Vector3};
 
-/// Number of rows that are condensed at the same time. They take 3 kB, which stays in the processor's cache. With 128
-/// rows a dense scene takes 9 % longer.
+/// Number of rows that are condensed (replaced by a few rows with the same sums) at the same time. These rows take 3
+/// kB, which stay in the processor's cache. With 128 rows a dense scene takes 9 % longer.
 const BATCH: usize = 32;
 
 /// Contributions of one contact to the sums, in the order of [`OF_PAIRS`] or [`AT_WALLS`]: powers [W], and for a pair

@@ -331,7 +331,7 @@ impl Contacts {
             slot.is_some()
         };
         if !self.blocks.is_empty() {
-            // from block to block: one list of all contacts would double the memory
+            // contacts are moved block by block, because one list of all contacts would double the memory
             let (size, mut anew) = (block_size(list), blocks(list));
             for block in std::mem::take(&mut self.blocks) {
                 let followed = |mut contact: Contact| follow(&mut contact).then_some(contact);

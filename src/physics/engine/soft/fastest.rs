@@ -9,12 +9,13 @@ use crate::particles::Particles;
 /// [m/s] upper limits of the speeds of particles and walls in uniform steps.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::engine) struct Fastest {
-    /// [m/s] upper limit of the speed of any particle, relative to the frame of the neighbour list.
+    /// [m/s] upper limit of the speed of any particle, relative to the moving frame in which the neighbour list
+    /// measures motion.
     pub(in crate::engine) all: f64,
     /// [m/s] largest speed of any point of a wall whose shape moves.
     pub(super) of_walls: f64,
-    /// [m/s] largest speed that a particle had after a contact force was applied, relative to the frame of the
-    /// neighbour list.
+    /// [m/s] largest speed that a particle had after a contact force was applied, relative to the moving frame in
+    /// which the neighbour list measures motion.
     pub(super) pushed: f64,
 }
 

@@ -35,7 +35,8 @@ impl SoftSolver {
             if self.may_pass(scene, elapsed, dt) {
                 self.refuse_to_pass(particles, scene, window, elapsed, dt)?;
             }
-            // predictor: x + v dt, v + a dt; the list is rebuilt only between steps, so that indices stay valid
+            // predictor: position x + v dt and velocity v + a dt, with the acceleration a; the list is rebuilt only
+            // between steps, so that indices stay valid
             drift(particles, dt, scene.gravity * (dt * (elapsed + 0.5 * dt)));
             let next = scenes.at(window.start + (elapsed + dt));
             self.kick(particles, &next.domain, dt);

@@ -154,8 +154,8 @@ impl PackedContacts {
         (full + chunk.len() - 1) as u32
     }
 
-    /// Index of an entry of `constants` that equals `touch`. If none of the first `SHARED` entries does, an unused or
-    /// new entry gets these constants.
+    /// Index of an entry of `constants` that equals `touch`. If none of the first `SHARED` entries equals `touch`, an
+    /// unused or new entry is set to `touch`.
     fn constants_of(&mut self, touch: &ContactConstants) -> u32 {
         let shared = &self.constants[..self.constants.len().min(SHARED)];
         if let Some(like) = shared.iter().position(|other| other == touch) {

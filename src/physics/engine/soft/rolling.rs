@@ -8,7 +8,7 @@ use crate::rotation::{Resistance, RollingBodies, Rotation, SpringDashpotSlider, 
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// Rolling and twisting motion of two touching bodies, and the resistances to it.
+/// Rolling and twisting motion of two touching bodies, and the resistances to this motion.
 #[derive(Clone, Copy, Debug)]
 pub struct RollingMotion {
     /// Effective radius R_eff and inertia of the two bodies for rolling and twisting.
@@ -30,14 +30,15 @@ pub struct ResistingCouple {
     pub couple: Vector3<f64>,
     /// [N] force f of the rolling resistance; its torque is -R_eff n × f, with the effective radius R_eff and normal n.
     pub rolling: Vector3<f64>,
-    /// [W] power taken from the rotation, in the middle of the kick (change of velocities by forces).
+    /// [W] power that the resistance takes from the rotation, in the middle of the kick (change of velocities by
+    /// forces).
     pub power: f64,
     /// [W] parts of `power`: rolling resistance, and twisting resistance.
     pub parts: [f64; 2],
 }
 
 impl RollingMotion {
-    /// Rolling and twisting motion of two bodies, and the resistances of the scene to it.
+    /// Rolling and twisting motion of two bodies, and the resistances to this motion by the laws of the scene.
     pub fn of(
         couple: &Couple,
         constants: &ContactConstants,

@@ -58,7 +58,7 @@ pub struct RotatingForce {
     pub torque: ContactTorque,
     /// [m] shear ξ of the tangential spring after the step.
     pub shear: Vector3<f64>,
-    /// [W] parts of the friction power of the force.
+    /// [W] parts of the friction power of the force, by cause.
     pub losses: FrictionLosses,
 }
 

@@ -43,7 +43,7 @@ pub fn matched(normals: &[Vector3<f64>], now: &[Encounter]) -> Vec<Option<usize>
     let all = (0..normals.len()).flat_map(|k| (0..now.len()).map(move |n| (k, n)));
     let mut near: Vec<(f64, usize, usize)> = all.map(|(k, n)| (normals[k].dot(&now[n].normal), k, n)).collect();
     near.retain(|(cosine, ..)| *cosine > SAME);
-    // equal cosines stay in the order of numbers
+    // pairs with equal cosines stay in the order of their numbers
     near.sort_by(|a, b| b.0.total_cmp(&a.0));
     let (mut of_contact, mut taken) = (vec![None; normals.len()], vec![false; now.len()]);
     for (_, k, n) in near {

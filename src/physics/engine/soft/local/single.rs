@@ -77,8 +77,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// True if the gap of the slot `slot` (candidate) may close within `time` [s] after one of its particles touches
-    /// another body.
+    /// True if the gap of the slot `slot` (candidate) may close within `time` [s] because the impulse of the touch
+    /// `meeting` changes the velocity of one of its particles.
     ///
     /// While two bodies fly straight, the rate at which their gap closes does not grow, so the present rate is an upper
     /// limit. An impulse changes the velocity of a particle by at most 2 (1 + μ) M |u_n|/m, or 2 (1 + μ) M |u|/m at a

@@ -353,8 +353,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
             Phase::Slide => {
                 let along = velocity.dot(&vector);
                 let across = velocity - vector * along;
-                // a spring shorter than the path of a step turns within the step; its rate is limited to one that the
-                // step resolves
+                // a spring shorter than the path of a step would turn too fast for the step; its rate of turning is
+                // limited
                 let length = constants.sliding_length(limit, along).max(velocity.norm() * dt);
                 let turning = if length > 0.0 { across / length } else { across };
                 (vector * limit, turning + spun(&vector))

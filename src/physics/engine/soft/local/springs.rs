@@ -66,8 +66,8 @@ pub struct SpringMotion {
     pub velocity: Vector3<f64>,
     /// Constants of the spring at the present overlap.
     pub constants: SpringDashpotSlider,
-    /// [-] growth of the shear per length of relative motion. It is below 1 at first touch if the stiffness grows with
-    /// the overlap.
+    /// [-] increase of the shear per distance that the surfaces move relative to each other. It is below 1 at first
+    /// touch if the stiffness grows with the overlap.
     pub grown: f64,
     /// [1/s] relative rates at which the changing overlap changes the shear, the force and the dashpot of the spring.
     pub rates: SpringRates,
@@ -151,8 +151,8 @@ impl SpringMotion {
         stiffness * self.grown * self.velocity.norm() * time > self.friction * (elastic + viscous)
     }
 
-    /// True if the spring has a memory: its friction coefficient is above zero, and so is its stiffness, at once or as
-    /// soon as the overlap grows.
+    /// True if the spring has a memory. Its friction coefficient must then be above 0, and its stiffness must be above
+    /// 0 now or as soon as the overlap grows.
     pub fn remembers(&self) -> bool {
         let stiff = match &self.resistance {
             Some(resistance) => resistance.spring.stiffness > 0.0,
