@@ -314,3 +314,21 @@ fn the_cure_of_a_collapse_is_not_the_one_already_taken() {
     let message = try_run(&scene, ball, hard(), 2.0, 1).1.unwrap_err().to_string();
     assert!(message.contains("hard.contact_time = \"1e-6 s\" or more"), "{message}");
 }
+
+/// A soft sphere without friction lies on the floor while another one falls on it. The floor holds the first sphere
+/// against gravity, so the second one comes nearer than by its speed alone. The velocity after the impact does not
+/// depend on the length of the window, which ends 1 or 3 ms later.
+#[test]
+fn a_sphere_at_rest_is_hit_at_the_exact_time() {
+    let (mut scene, _) = dropped(Species::new("bead", 1e-3, 2500.0), 0.9, 30e-3);
+    scene.contact.restitution = 0.9;
+    let weight = scene.species[0].mass() * 9.80665;
+    let lies = 0.5e-3 - weight / 1500.0;
+    let start = placed(&scene, &[([60e-3, lies, 60e-3], [0.0; 3]), ([60.05e-3, 30e-3, 60e-3], [0.0; 3])]);
+    let sideways = [77e-3, 79e-3].map(|duration| {
+        let done = run(&scene, start.clone(), local(1500.0, 2e-6, Integrator::VelocityVerlet), duration, 1);
+        assert_eq!(done.record.pairs.summary().count, 1);
+        done.particles.velocity[1].x
+    });
+    close("sideways", sideways[0], sideways[1], 1e-6 * sideways[1].abs());
+}

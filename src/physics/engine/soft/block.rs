@@ -463,7 +463,7 @@ fn look_rotating(
         *kept_shear = shear;
     }
     course.note(met);
-    course.overlap_time += met.overlap() * at.dt;
+    course.overlap_time += met.overlap() * at.shear_time;
     kept.update(&course);
     if view.counts(couple) {
         rows.add_rotating(couple, (&force, &losses), (scene, at.remaining), &mut sums.rows);
@@ -488,7 +488,7 @@ fn evaluate(
     }
     course.note(met);
     // contacts begin at random instants of a step, so this sum equals, on average, the integral of the overlap
-    course.overlap_time += met.overlap() * at.dt;
+    course.overlap_time += met.overlap() * at.shear_time;
     let force = constants.force(couple, law, met, (particles, scene), at.moment(), [at.dt, at.to_middle]);
     if !at.travel_is_exact {
         sums.elastic_energy += law.stored_energy(&constants.spring, met.overlap());

@@ -8,6 +8,7 @@ use super::{InstantaneousRule, IslandRun, ReachedTouch};
 use crate::encounter::{AtWall, Couple, Encounter, Other, relative};
 use crate::engine::Failure;
 use crate::engine::soft::contact::{ContactConstants, TouchingPair};
+use crate::rotation::Rotation;
 use nalgebra::Vector3;
 
 /// True if the particle at `index` is one of the two bodies of `couple`.
@@ -24,17 +25,20 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         let TouchingPair { couple, constants: ContactConstants { spring, friction, .. } } = contact.touch;
         let curved = couple.is_wall() && !couple.is_flat(self.scene);
         let moves = matches!(couple.other, Other::Wall(at) if self.scene.walls[at.wall as usize].moving.is_some());
-        if friction > 0.0 || curved || moves {
+        let resists = self.scene.rotation.as_ref().is_some_and(Rotation::resists);
+        if friction > 0.0 || resists || curved || moves {
             return 0.0;
         }
         let left = end - self.now;
         // without gravity, the relative speed of the two bodies stays below this root, so neither velocity changes by
-        // more than twice the root; the velocity that gravity adds at a wall is left out
+        // more than twice the root
         let met = couple.meet(self.particles, self.scene, self.moment());
         let stored = 2.0 * self.engine.law.available_energy(&spring, contact.course.overlap) / spring.effective_mass;
         let change = 2.0 * (met.normal_velocity.powi(2) + met.slip().norm_squared() + stored).sqrt();
+        // a wall holds its particle against gravity, while all other particles fall
+        let held = if couple.is_wall() { self.scene.gravity.dot(&met.normal).abs() } else { 0.0 };
         let others = (0..self.scratch.touches.len()).filter(|&slot| slot != contact.slot as usize);
-        let clear = others.map(|slot| self.clear_of(slot, &couple, change, end));
+        let clear = others.map(|slot| self.clear_of(slot, &couple, [change, held], end));
         clear.fold(left, |least, time| if time >= 0.0 { least.min(time) } else { 0.0 })
     }
 
@@ -52,9 +56,9 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// [s] time from now for which the gap of the slot `slot` (candidate) cannot close; it is valid up to `end` [s]
-    /// after the start of the part. The velocity of each body of `couple` may change by `change` [m/s]. The result is
-    /// negative if the gap is closed already.
-    fn clear_of(&self, slot: usize, couple: &Couple, change: f64, end: f64) -> f64 {
+    /// after the start of the part. The velocity of each body of `couple` may change by `change` [m/s] at once, and by
+    /// the acceleration `held` [m/s²]. The result is negative or not a number if the gap is closed already.
+    fn clear_of(&self, slot: usize, couple: &Couple, [change, held]: [f64; 2], end: f64) -> f64 {
         let velocity = |index: u32| self.particles.velocity[index as usize];
         let (gap, rate) = self.scratch.gaps[slot];
         let other = self.scratch.touches[slot].couple;
@@ -65,7 +69,10 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
                 rate.abs() + along + self.scene.gravity.norm() * end + self.swing(&other)
             }
         };
-        gap / (speed + self.shared(slot, couple) as f64 * change)
+        let shared = self.shared(slot, couple) as f64;
+        let (speed, held) = (speed + shared * change, shared * held);
+        // the time t with gap = speed t + held t²/2
+        if held == 0.0 { gap / speed } else { 2.0 * gap / (speed + (speed * speed + 2.0 * held * gap).sqrt()) }
     }
 
     /// [m/s] upper limit of the change of velocity of the second body, if it is a moving wall; 0 for a wall that does
