@@ -1,7 +1,7 @@
 //! Flow of the gas before the first step.
 
 use crate::support::close;
-use diptych::fluid::{ChannelFlow, Coupling, HeldFlow, LoadedFlow, Modulation, TurbulenceModel};
+use diptych::fluid::{ChannelFlow, Coupling, HeldFlow, LoadedFlow, Modulation, SliceSums, TurbulenceModel};
 
 /// Before the first step the pressure drop is that of the gas alone, or the one that is held. In a pipe the walls have
 /// twice the area per volume that they have in a channel.
@@ -17,5 +17,20 @@ fn before_the_first_step_the_pressure_drop_is_that_of_the_gas_alone() {
         let wanted = alone.pressure_gradient(1.2);
         close("of the gas alone", gradient(HeldFlow::FlowRate), wanted, 1e-12 * wanted);
         close("held", gradient(HeldFlow::PressureGradient(50.0)), 50.0, 1e-12);
+    }
+}
+
+/// Slices and cells of the gas may have common borders, up to rounding. The gas without particles stays as it is for any
+/// number of slices.
+#[test]
+fn any_number_of_slices_fits_the_cells_of_the_gas() {
+    let alone = ChannelFlow::solve(15.75, 0.04, 1.5e-5, TurbulenceModel::WallFunctions).unwrap();
+    let wanted = alone.pressure_gradient(1.2);
+    for slices in 1..400 {
+        let coupling = Coupling { slices, held: HeldFlow::FlowRate, modulation: Modulation::None };
+        let mut loaded = LoadedFlow::new(coupling, &alone, 1.2, 1.0);
+        loaded.advance(1e-3, &vec![SliceSums::default(); slices]);
+        // the gas alone is steady, up to the error of the iteration that found it
+        close(&format!("{slices} slices"), loaded.pressure_gradient(), wanted, 1e-6 * wanted);
     }
 }

@@ -248,13 +248,12 @@ impl LoadedFlow {
             let [start, end] = [ends[0], ends[1]];
             let first = ((start / width) as usize).min(self.coupling.slices - 1);
             let (mut sum, mut whole) = (0.0, 0.0);
-            for (slice, value) in (first..).zip(&values[first..]) {
+            let begins_before = |slice: usize| (slice as f64) * width < end;
+            for (slice, value) in (first..).zip(&values[first..]).take_while(|(slice, _)| begins_before(*slice)) {
                 let low = start.max(slice as f64 * width);
                 let high = if slice + 1 == self.coupling.slices { end } else { end.min((slice + 1) as f64 * width) };
-                if high <= low {
-                    break;
-                }
-                let volume = (high - low) * self.channel.area(0.5 * (low + high));
+                // by rounding, the first slice may end where the cell begins
+                let volume = (high - low).max(0.0) * self.channel.area(0.5 * (low + high));
                 (sum, whole) = (sum + volume * value, whole + volume);
             }
             sum / whole
