@@ -86,6 +86,28 @@ fn drag_accelerates_the_added_mass_too() {
     }
 }
 
+/// The masses of a file are those of the spheres, and its momenta are those of the spheres alone.
+#[test]
+fn files_give_masses_without_added_mass() {
+    let folder = tempfile::tempdir().unwrap();
+    let [light, heavy] = [100.0, 2500.0].map(|density| density * std::f64::consts::PI / 6.0 * 1e-9);
+    let rows = [(20, light, "light"), (70, heavy, "heavy")]
+        .map(|(x, mass, kind)| format!("{kind} 0.0{x} 0.05 0.05 {mass} {} 0 0\n", 2.0 * mass));
+    let head = "2\nProperties=species:S:1:pos:R:3:masses:R:1:momenta:R:3 units=\"m s\"\n";
+    std::fs::write(folder.path().join("start.xyz"), head.to_owned() + &rows.concat()).unwrap();
+    let places = [
+        "at = [{ position = [\"20 mm\", \"50 mm\", \"50 mm\"] }]",
+        "at = [{ position = [\"70 mm\", \"50 mm\", \"50 mm\"] }]",
+    ];
+    let text = places.iter().fold(WATER.to_owned(), |text, place| text.replace(place, "file = \"start.xyz\""));
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, text).unwrap();
+    let (experiment, _) = diptych::case::Case::read(&path, &[]).unwrap().experiment(Some(Model::Hard), None).unwrap();
+    for velocity in &initial_state(&experiment).unwrap().velocity {
+        close("velocity", velocity.x, 2.0, 1e-15);
+    }
+}
+
 #[test]
 fn added_mass_without_buoyancy_is_refused_and_its_absence_is_warned_of() {
     let why = case(WATER, Model::Hard, &["fluid.buoyancy=false"]).unwrap_err();

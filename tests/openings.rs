@@ -455,6 +455,20 @@ fn cases_give_rates_and_bad_ones_are_refused_with_a_remedy() {
         let why = case(CASE, Model::Hard, &[set]).unwrap_err();
         assert!(why.contains(words), "{set}: {why}");
     }
+    // the particles that come in touch one another
+    let why = case(&CASE.replace("[contact]\nrestitution = 0.9\n", ""), Model::Hard, &[]).unwrap_err();
+    assert!(why.contains("contact.restitution"), "{why}");
+}
+
+/// The water that moves with a sphere does not come in with it.
+#[test]
+fn the_mass_that_comes_in_is_that_of_the_spheres() {
+    let water = [
+        "gravity.acceleration=[0, -10, 0]",
+        "fluid={ density = 1000, kinematic_viscosity = 1e-6, buoyancy = true, added_mass = true, profile = { uniform = { velocity = 0 } } }",
+    ];
+    let told = diptych::case::describe(&case(CASE, Model::Hard, &water).unwrap());
+    assert!(told.contains("come in, 1e-3 kg/s") || told.contains("come in, 0.001 kg/s"), "{told}");
 }
 
 /// Of a gas that has left before the end of a hybrid run, the time that instants leave out is a share of the time that its

@@ -36,6 +36,34 @@ fn read_named(name: &str, text: &str, sets: &[&str], model: Model) -> Result<(Ex
     read.map(|(experiment, warnings)| (experiment, told(warnings))).map_err(|error| error.to_string())
 }
 
+/// The structure of rock salt: large spheres on a face-centred cubic lattice, small ones in the holes between them. It
+/// fills 0.793 of the room, more than equal spheres can.
+#[test]
+fn only_equal_spheres_are_held_to_the_densest_packing_of_equal_spheres() {
+    let large = 1e-3 * 0.5_f64.sqrt() * (1.0 - 1e-6);
+    let salt = |small: f64| {
+        let (mut of_large, mut of_small) = (Vec::new(), Vec::new());
+        for [x, y, z] in (0..64).map(|k| [k / 16, k / 4 % 4, k % 4]) {
+            let place = format!("{{ position = [{}, {}, {}] }}", 5e-4 * x as f64, 5e-4 * y as f64, 5e-4 * z as f64);
+            if (x + y + z) % 2 == 0 { of_large.push(place) } else { of_small.push(place) }
+        }
+        let kind = |name: &str, diameter: f64, places: &[String]| {
+            let places = places.join(", ");
+            format!("{{ name = \"{name}\", diameter = {diameter:?}, density = 1000, at = [{places}] }}")
+        };
+        format!(
+            "domain = {{ size = [2e-3, 2e-3, 2e-3], periodic = [\"x\", \"y\", \"z\"] }}\n\
+             particles = [{}, {}]\ncontact = {{ restitution = 1 }}\nrun = {{ model = \"hard\", duration = 1e-3 }}\n",
+            kind("large", large, &of_large),
+            kind("small", small, &of_small)
+        )
+    };
+    let read = |small: f64| crate::support::case(&salt(small), Model::Hard, &[]).map(|experiment| experiment.count());
+    assert_eq!(read(1e-3 - large - 1e-9), Ok(64));
+    let why = read(large).unwrap_err();
+    assert!(why.contains("spheres of one size pack no denser than 0.7405"), "{why}");
+}
+
 #[track_caller]
 fn refused(text: &str, sets: &[&str], model: Model, parts: &[&str]) {
     let Err(message) = read(text, sets, model) else { panic!("{sets:?} was accepted under {model:?}:\n{text}") };

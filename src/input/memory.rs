@@ -36,7 +36,7 @@ impl Need {
         let samples = Schedule::new(experiment).samples as f64 + 1.0;
         let slices = experiment.statistics.slices as f64;
         Self {
-            particles: PARTICLE * experiment.count() as f64,
+            particles: PARTICLE * experiment.expected_count(),
             slices: SLICE * slices * samples.min(MOST_BLOCKS) * tables,
         }
     }

@@ -379,6 +379,11 @@ fn dumps_are_right_or_refused() {
         ("forces", &[("vx vy vz", "fx fy fz")], Read(2, &["left aside: fx, fy, fz"])),
         ("another radius", &[("0.5 0.001", "0.5 0.0015")], Refused(&["bed.dump:12", "`diameter` = 3e-3 m"])),
         ("walls there", &[("pp pp pp", "pp ff pp")], Read(2, &["periodic x z"])),
+        (
+            "a box turned round",
+            &[("0.0 0.02\n0.0 0.02", "0.02 0.0\n0.0 0.02")],
+            Refused(&["bed.dump:8", "ends at 0.0 and begins at 0.02"]),
+        ),
         ("ids from 7", &[("\n1 1 0.015", "\n7 1 0.015")], Read(2, &["0 to 7, are counted anew"])),
     ];
     judge_rows("bed.dump", DUMP, ONE, &rows);

@@ -106,13 +106,14 @@ fn openings_in_words(text: &mut String, scene: &Scene) {
         let _ = writeln!(text, "Outlet \"{}\": particles leave {place}.", outlet.name);
     }
     for inlet in &scene.inlets {
+        let species = &scene.species[usize::from(inlet.species)];
         let closes = if inlet.end.is_finite() { format!(" until {}", time(inlet.end)) } else { String::new() };
         let _ = writeln!(
             text,
             "Inlet \"{}\": {} particles per second come in, {} kg/s, from {}{closes}.",
             inlet.name,
             short(inlet.rate, 4),
-            short(inlet.rate * scene.species[usize::from(inlet.species)].mass(), 4),
+            short(inlet.rate * species.own_mass(), 4),
             time(inlet.start)
         );
     }

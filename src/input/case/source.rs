@@ -91,7 +91,7 @@ impl Sources {
     pub fn typed(&self, origin: &Origin) -> String {
         let text = self.get(origin).and_then(|source| source.text.get(origin.span.clone())).unwrap_or("").trim();
         let mut short: String = text.chars().take(60).map(|c| if legible::acts(c) { ' ' } else { c }).collect();
-        if short.len() < text.len() {
+        if text.chars().nth(60).is_some() {
             short.push('…');
         }
         short

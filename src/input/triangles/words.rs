@@ -20,7 +20,7 @@ impl Word<'_> {
     pub fn shown(&self) -> String {
         let text = String::from_utf8_lossy(self.bytes);
         let mut short: String = text.chars().take(40).map(|c| if c.is_control() { ' ' } else { c }).collect();
-        if short.len() < text.len() {
+        if text.chars().nth(40).is_some() {
             short.push('…');
         }
         format!("\"{short}\"")

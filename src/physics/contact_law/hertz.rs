@@ -168,7 +168,7 @@ impl Law for Hertz {
     }
 
     fn static_overlap(&self, spring: &Spring, force: f64) -> f64 {
-        (force / spring.stiffness).powf(1.0 / self.exponent())
+        (force.max(0.0) / spring.stiffness).powf(1.0 / self.exponent())
     }
 
     fn title(&self) -> &'static str {

@@ -8,6 +8,11 @@ use nalgebra::Vector3;
 pub const ADDED_MASS: f64 = 0.5;
 
 impl Species {
+    /// [kg] mass of one sphere without added mass; the mean mass if sizes differ.
+    pub fn own_mass(&self) -> f64 {
+        self.density * self.volume()
+    }
+
     /// [-] fraction by which buoyancy and added mass reduce the acceleration of this species by gravity, in a gas with
     /// the density `gas` [kg/m³].
     fn carried_by(&self, gas: f64) -> f64 {

@@ -10,6 +10,7 @@ use crate::domain::Domain;
 use crate::experiment::{Amount, Experiment, Population};
 use crate::fluid::{Fluid, LogConstants, LogLaw, Profile};
 use crate::predict::flow::terminal_slip;
+use nalgebra::Vector3;
 
 /// Number of positions across the channel at which the slip (velocity of particles relative to the gas) is computed
 /// before the run.
@@ -152,8 +153,7 @@ impl Resolver {
         let Some(fluid) = &experiment.scene.fluid else { return };
         let far = fluid.drag.as_ref().and_then(|drag| drag.law().far());
         let (Some(typed), Some((far, why))) = (&file.drag, far) else { return };
-        let numbers = experiment.start.iter().map(|population| largest_reynolds(experiment, fluid, population));
-        let largest = numbers.fold(0.0, f64::max);
+        let largest = largest_reynolds(experiment, fluid);
         if largest > far {
             let message = format!("the particles slip through the gas at Reynolds numbers up to {largest:.2e}");
             self.warn(&typed.origin, message, why);
@@ -161,29 +161,32 @@ impl Resolver {
     }
 }
 
-/// [-] largest particle Reynolds number that is known before the run, for the particles at the start. It is computed
-/// from the slip velocity at the start or from the slip at which drag balances the weight, whichever is larger.
-fn largest_reynolds(experiment: &Experiment, fluid: &Fluid, population: &Population) -> f64 {
-    let scene = &experiment.scene;
-    let (Some(species), Some(drag)) = (scene.species.get(usize::from(population.species)), &fluid.drag) else {
-        return 0.0;
+/// [-] largest particle Reynolds number that is known before the run, for the particles at the start and for those of
+/// inlets. It is computed from the slip velocity at first or from the slip at which drag balances the weight, whichever
+/// is larger, and from the largest diameter of the species.
+fn largest_reynolds(experiment: &Experiment, fluid: &Fluid) -> f64 {
+    let (scene, Some(drag)) = (&experiment.scene, &fluid.drag) else { return 0.0 };
+    let slip = |gas: f64, v: &Vector3<f64>| (v - Vector3::new(0.0, 0.0, gas)).norm();
+    let anywhere = |velocity: &Vector3<f64>| {
+        let gas = fluid.profile.sample(scene.domain.size.y, PLACES);
+        gas.iter().map(|(_, u)| slip(*u, velocity)).fold(0.0, f64::max)
     };
-    if population.amount.count() == 0 {
-        return 0.0;
-    }
-    let slip = |gas: f64, v: &nalgebra::Vector3<f64>| (v - nalgebra::Vector3::new(0.0, 0.0, gas)).norm();
-    let at_start = match &population.amount {
-        Amount::Count(_) => {
-            let gas = fluid.profile.sample(scene.domain.size.y, PLACES);
-            gas.iter().map(|(_, u)| slip(*u, &population.velocity_mean)).fold(0.0, f64::max)
-        }
+    let of_population = |population: &Population| match &population.amount {
+        Amount::Count(_) => anywhere(&population.velocity_mean),
         Amount::Placed(placed) => {
             let slips =
                 placed.position.iter().zip(&placed.velocity).map(|(x, v)| slip(fluid.profile.velocity_at(x), v));
             slips.fold(0.0, f64::max)
         }
     };
-    let sphere = fluid.sphere(species);
-    let falling = terminal_slip(drag, &sphere, scene.gravity_of(species).norm());
-    at_start.max(falling) * sphere.reynolds_per_speed
+    let there = experiment.start.iter().filter(|population| population.amount.count() > 0);
+    let of_start = there.map(|population| (population.species, of_population(population)));
+    let of_inlets = scene.inlets.iter().map(|inlet| (inlet.species, anywhere(&inlet.velocity_mean)));
+    let number = |(species, at_first): (u16, f64)| {
+        let species = scene.species.get(usize::from(species))?;
+        let sphere = fluid.sphere(&species.of_one_size(species.largest()));
+        let falling = terminal_slip(drag, &sphere, scene.gravity_of(species).norm());
+        Some(at_first.max(falling) * sphere.reynolds_per_speed)
+    };
+    of_start.chain(of_inlets).filter_map(number).fold(0.0, f64::max)
 }

@@ -23,7 +23,8 @@ pub fn refuse_missing<'a>(
         }
     };
     let kinds = || file.particles.iter().flatten();
-    if kinds().count() > 1 || kinds().any(|kind| !is_alone(&kind.value)) {
+    let has_inlets = file.inlets.as_ref().is_some_and(|inlets| !inlets.is_empty());
+    if has_inlets || kinds().count() > 1 || kinds().any(|kind| !is_alone(&kind.value)) {
         let contact = file.contact.as_ref();
         let is_there = contact.is_some_and(|contact| contact.value.restitution.is_some());
         need(is_there, "contact.restitution", contact.map(|contact| &contact.origin));

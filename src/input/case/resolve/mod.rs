@@ -94,8 +94,7 @@ pub fn resolve(
     let gravity = resolver.gravity(file)?;
     let contact = match &file.contact {
         Some(contact) => resolver.surface(&contact.value.restitution, &contact.value.friction)?,
-        // a case without the table `[contact]` has passed the check above only if it places at most one particle at
-        // the start
+        // a case without the table `[contact]` has passed the check above only if it has at most one particle
         None => crate::scene::Surface::new(1.0, 0.0),
     };
     let pairs = crate::scene::Pairs::default();

@@ -129,7 +129,7 @@ impl Resolver {
             (Some(rate), _) => self.in_range(rate, "a number of particles per time: \"2000 1/s\"")?,
             (None, mass) => {
                 let mass = self.need(mass, "inlets.rate")?;
-                self.in_range(mass, "a mass per time: \"20 g/s\"")? / (species.density * species.volume())
+                self.in_range(mass, "a mass per time: \"20 g/s\"")? / species.own_mass()
             }
         };
         let opens = opens.as_ref().map_or(Ok(0.0), |start| self.in_range(start, "the run starts at 0 s"))?;

@@ -34,7 +34,7 @@ impl Resolver {
         let typed = file.output.as_ref().and_then(|output| output.value.every.as_ref());
         let (Some(asked), Some(typed)) = (asked, typed) else { return Ok(()) };
         let instants = experiment.run.duration / asked.every + 1.0;
-        let bytes = BYTES * instants * experiment.count() as f64;
+        let bytes = BYTES * instants * experiment.expected_count();
         if bytes > MUCH {
             let message =
                 format!("{} makes {instants:.0} instants, some {:.0} GB a variant", self.as_typed(typed), 1e-9 * bytes);

@@ -182,7 +182,7 @@ impl Resolver {
         }
         if row.text(OF_MASS).is_some_and(|text| !text.is_empty()) {
             let mass = self.number(row, OF_MASS, "mass")?;
-            let of_case = species.of_one_size(size.map_or(species.diameter, |(diameter, _)| diameter)).mass();
+            let of_case = species.of_one_size(size.map_or(species.diameter, |(diameter, _)| diameter)).own_mass();
             // factor 4: three times the relative error of the diameter for the volume, plus the error of the mass
             // itself
             self.agree(row, (OF_MASS, mass), (of_case, &species.name), "kg", 4.0)?;
@@ -262,12 +262,12 @@ impl Resolver {
             Some(_) => self.size(row)?.map_or(species.diameter, |(diameter, _)| diameter),
             None => species.diameter,
         };
-        let mass = species.of_one_size(diameter).mass();
-        particles.push(Vector3::zeros(), Vector3::zeros(), 0.5 * diameter, mass, index as u16);
+        let sphere = species.of_one_size(diameter);
+        particles.push(Vector3::zeros(), Vector3::zeros(), 0.5 * diameter, sphere.mass(), index as u16);
         particles.set_state(place, &numbers);
         if row.text(OF_MOMENTUM).is_some() {
             let momentum = |axis: usize| self.number(row, OF_MOMENTUM + axis, COLUMNS[OF_MOMENTUM + axis]);
-            particles.velocity[place] = Vector3::new(momentum(0)?, momentum(1)?, momentum(2)?) / mass;
+            particles.velocity[place] = Vector3::new(momentum(0)?, momentum(1)?, momentum(2)?) / sphere.own_mass();
         }
         particles.position[place] = scene.domain.wrap(&particles.position[place]);
         let velocity = &particles.velocity[place];

@@ -28,6 +28,12 @@ const BYTES: f64 = 300.0;
 /// [m/s] largest allowed component of a velocity; particles in a gas are slower.
 pub(super) const FASTEST: f64 = 1e5;
 
+/// True if spheres of the scene may differ in size.
+fn has_unequal_spheres(scene: &Scene) -> bool {
+    let smallest = scene.species.iter().map(Species::smallest).fold(f64::INFINITY, f64::min);
+    scene.species.iter().any(|species| species.largest() > smallest)
+}
+
 /// Text for messages: a number of particles, the memory that these particles require, and the allowed number.
 fn too_many(count: f64) -> String {
     let gigabytes = count * BYTES / 1e9;
@@ -354,14 +360,17 @@ impl Resolver {
             }
         }
         let phi = total / scene.room();
-        let limit = if random > 0.0 { RANDOM_PACKING } else { DENSEST_PACKING };
+        let (limit, help) = match random > 0.0 {
+            true => (RANDOM_PACKING, "spheres at random places pack no denser than 0.64"),
+            false if has_unequal_spheres(scene) => (1.0, "particles fill no more than the whole room"),
+            false => (DENSEST_PACKING, "spheres of one size pack no denser than 0.7405"),
+        };
         let Some(first) = file.particles.as_ref().and_then(|kinds| kinds.first()) else { return Ok(()) };
         let kind = &first.value;
         let origin = kind.count.as_ref().map(|count| &count.origin).unwrap_or(&first.origin);
         if phi > limit {
             let message =
                 format!("{number} particles fill {phi:.4} of the room that they have; allowed: up to {limit}");
-            let help = "spheres at random places pack no denser than 0.64, no spheres at all denser than 0.7405";
             return Err(self.sources.error(origin, message).help(help));
         }
         if number as i64 > MOST_PARTICLES {

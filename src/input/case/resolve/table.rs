@@ -157,18 +157,19 @@ fn with_unit<'a>(column: &'a str, wanted: &[&str]) -> (&'a str, Option<String>) 
     let split = column.split_once('_').filter(|(name, _)| !wanted.contains(&column) && wanted.contains(name));
     let unit = |(name, unit): (&'a str, &str)| {
         let unit = unit.replace('_', "/");
-        quantity::parse(&format!("1 {unit}"), dimension(name)).is_ok().then_some((name, Some(unit)))
+        quantity::parse(&format!("1 {unit}"), dimension(name)?).is_ok().then_some((name, Some(unit)))
     };
     split.and_then(unit).unwrap_or((column, None))
 }
 
-/// Exponents of m, kg and s in the dimension of a column of initial states. Columns whose names begin with v are
-/// velocities, those with w are spins (angular velocities), all others are lengths.
-fn dimension(column: &str) -> [i8; 3] {
-    match column.as_bytes().first() {
-        Some(b'v') => [1, 0, -1],
-        Some(b'w') => [0, 0, -1],
-        _ => [1, 0, 0],
+/// Exponents of m, kg and s in the dimension of a column: a velocity, a spin (angular velocity) or a length. `None` if
+/// the column has other dimensions, or if its dimension depends on the row, like that of the column `value`.
+fn dimension(column: &str) -> Option<[i8; 3]> {
+    match column {
+        "vx" | "vy" | "vz" => Some([1, 0, -1]),
+        "wx" | "wy" | "wz" => Some([0, 0, -1]),
+        "x" | "y" | "z" | "diameter" | "radius" => Some([1, 0, 0]),
+        _ => None,
     }
 }
 
@@ -271,7 +272,9 @@ impl Resolver {
         let text = row.text(wanted).unwrap_or("");
         let number = match row.table.units.get(wanted).and_then(Option::as_deref) {
             // the number is parsed together with its unit, so that it is rounded as in a case
-            Some(unit) if !text.is_empty() => quantity::parse(&format!("{text} {unit}"), dimension(column)).ok(),
+            Some(unit) if !text.is_empty() => {
+                dimension(column).and_then(|of| quantity::parse(&format!("{text} {unit}"), of).ok())
+            }
             _ => text.parse::<f64>().ok(),
         };
         match number {

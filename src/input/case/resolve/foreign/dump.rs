@@ -176,7 +176,7 @@ impl ForeignReader<'_> {
         let sides = words.iter().filter(|word| !["xy", "xz", "yz"].contains(word));
         let periodic = sides.zip(["x", "y", "z"]).filter(|(side, _)| **side == "pp").map(|(_, axis)| axis);
         let periodic = periodic.collect::<Vec<_>>().join(" ");
-        let [mut low, mut high] = [Vector3::zeros(); 2];
+        let [mut low, mut high] = [Vector3::<f64>::zeros(); 2];
         for axis in 0..3 {
             let number = header + 1 + axis;
             let words: Vec<&str> = lines.get(number).split_whitespace().collect();
@@ -190,6 +190,10 @@ impl ForeignReader<'_> {
             }
             low[axis] = self.cell(lines, number, from, "the box")?;
             high[axis] = self.cell(lines, number, to, "the box")?;
+            if !(high[axis] - low[axis]).is_finite() || high[axis] <= low[axis] {
+                let message = format!("the box ends at {to} and begins at {from}");
+                return Err(self.wrong(lines, number, message, "the first bound is the lower one"));
+            }
         }
         Ok(([low, high], periodic))
     }
