@@ -189,6 +189,7 @@ fn budgets_are_written_on_request() {
     assert_eq!(code(&output), 0, "{}", words(&output.stderr));
     assert!(words(&output.stdout).contains("uu per second, mean over all particles"), "{}", words(&output.stdout));
     assert!(read(&folder, "figures/budgets.svg").contains("production"));
+    assert!(read(&folder, "report.html").contains("Budgets of the second moments"));
     let table = read(&folder, "budgets.csv");
     let mut reader = csv::Reader::from_reader(table.as_bytes());
     let rows: Vec<Vec<String>> = reader.records().map(|row| row.unwrap().iter().map(String::from).collect()).collect();
@@ -198,6 +199,10 @@ fn budgets_are_written_on_request() {
         let rest: f64 = terms[..4].iter().sum();
         assert!((rest - terms[4]).abs() < 1e-9 * terms.iter().map(|term| term.abs()).sum::<f64>(), "{row:?}");
     }
+    let without = ["run", "cases/quick.toml", "--model", "hard", "--overwrite", "--set", "run.duration=1 ms"];
+    let output = into(&folder, &[&without[..], &["--set", "run.average_from=0 s"]].concat());
+    assert_eq!(code(&output), 0, "{}", words(&output.stderr));
+    assert!(!folder.join("budgets.csv").exists(), "budgets of the earlier run remain");
 }
 
 /// Budgets would count as impacts what turbulence, heat or shear does to the velocities.

@@ -262,6 +262,7 @@ pub fn with_study(outcomes: &[Outcome], put: impl FnOnce(&Study)) {
         notes: &["One run per variant: errors come from 20 blocks of time.".to_string()],
         trust: &sheets,
         frames: &[],
+        budgets: None,
     };
     put(&study);
 }

@@ -8,6 +8,7 @@ use super::panel::Figure;
 use super::player::Player;
 use crate::engine::Failure;
 use crate::statistics::Answer;
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::ops::Range;
 
@@ -121,6 +122,28 @@ pub(super) struct Document<'a> {
     pub figures: Vec<Figure>,
 }
 
+impl Document<'_> {
+    /// Adds numbers to the names of files that are equal. The names of two variants (experiments of a case) may differ
+    /// only in characters that file names leave out.
+    pub fn with_distinct_names(mut self) -> Self {
+        number_equal(self.tables.iter_mut().map(|(name, _)| name));
+        number_equal(self.figures.iter_mut().map(|figure| &mut figure.name));
+        self
+    }
+}
+
+/// Makes names different: to each name that an earlier one equals, a hyphen and a number are added before the extension.
+fn number_equal<'a>(names: impl Iterator<Item = &'a mut String>) {
+    let mut taken = BTreeSet::new();
+    for name in names {
+        let end = name.rfind('.').unwrap_or(name.len());
+        let (stem, extension) = name.split_at(end);
+        let numbered = (2..).map(|number| format!("{stem}-{number}{extension}"));
+        let free = std::iter::once(name.clone()).chain(numbered).find(|name| taken.insert(name.clone()));
+        *name = free.unwrap_or_default();
+    }
+}
+
 /// Status of a run in one word for `summary.json`: "failed" if the run stopped early, otherwise "complete".
 pub(super) fn status(failed: bool) -> &'static str {
     if failed { "failed" } else { "complete" }
@@ -167,4 +190,16 @@ fn aligned<'a>(rows: &[impl AsRef<[&'a str]>]) -> String {
         format!("  {}\n", cells.collect::<Vec<_>>().join("  ").trim_end())
     };
     rows.iter().map(|row| line(row.as_ref())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number_equal;
+
+    #[test]
+    fn equal_names_of_files_get_numbers() {
+        let mut names = ["vtk/grid-x-1.vti", "vtk/grid-x-1.vti", "vtk/grid-x-1-2.vti", "map", "map"].map(String::from);
+        number_equal(names.iter_mut());
+        assert_eq!(names, ["vtk/grid-x-1.vti", "vtk/grid-x-1-2.vti", "vtk/grid-x-1-2-2.vti", "map", "map-2"]);
+    }
 }

@@ -31,7 +31,7 @@ const REPORT: &str = "report.html";
 
 /// Names of the tables and of the page that a run may write, apart from [`SUMMARY`]. They are removed when results are
 /// replaced, so that no file of an earlier run remains.
-const TABLES: [&str; 23] = [
+const TABLES: [&str; 24] = [
     "series.csv",
     "paths.csv",
     "profiles.csv",
@@ -51,6 +51,7 @@ const TABLES: [&str; 23] = [
     "profile.csv",
     "gas.csv",
     "flow.csv",
+    "budgets.csv",
     "sweep.csv",
     "sensitivity.csv",
     "validation.csv",

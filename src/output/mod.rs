@@ -6,8 +6,8 @@
 //! at all. Files use SI units; pictures and pages use SI prefixes.
 //!
 //! The functions `write_…` write a whole folder, with `summary.json` last. This file exists only if all files of the
-//! report are complete; `diptych run --budgets` writes the budgets later. [`write_part`] writes the folder without the
-//! summary, after each variant of a comparison. A variant is one of the experiments of a case.
+//! report are complete. [`write_part`] writes the folder without the summary, after each variant of a comparison. A
+//! variant is one of the experiments of a case.
 
 mod chart;
 pub mod csv;
@@ -38,9 +38,9 @@ pub use chart::{
     cheapest,
 };
 pub use documents::{
-    PlanDocument, chart_answers, limits_answers, plan_json, plan_text, sweep_verdicts, validation_answers, write_chart,
-    write_files_study, write_impact, write_limits, write_part, write_sensitivity, write_sensitivity_part, write_study,
-    write_sweep, write_validation,
+    PlanDocument, budget_sentences, chart_answers, limits_answers, plan_json, plan_text, sweep_verdicts,
+    validation_answers, write_chart, write_files_study, write_impact, write_limits, write_part, write_sensitivity,
+    write_sensitivity_part, write_study, write_sweep, write_validation,
 };
 pub use files::{ASIDE, CHECKPOINT, COMMAND, FIGURES, Folder, SUMMARY, put};
 pub use files_study::{FilesQuantity, FilesStudy, SideSummary};
@@ -55,7 +55,7 @@ pub use trust::{Expected, Halved, HalvedStep, Judgement, TrustCheck, TrustSheet,
 pub use validation::{NotValidated, ValidationNumber, ValidationRow, ValidationRule, ValidationStudy, ValidationTier};
 pub use verdict::{Basis, ObservedDifference, Verdict, overall};
 
-use crate::observe::Frames;
+use crate::observe::{Budgets, Frames};
 use crate::outcome::Outcome;
 use std::path::{Path, PathBuf};
 
@@ -166,6 +166,8 @@ pub struct Study<'a> {
     /// Recorded motion of the particles for animations, in the order of the variants (experiments of a case). Empty
     /// without animations.
     pub frames: &'a [Frames],
+    /// Budgets of the second moments of velocity of a single run; `None` unless the user asks for them.
+    pub budgets: Option<&'a Budgets>,
 }
 
 /// [s/s] wall-clock time per simulated time; `None` if nothing was simulated.

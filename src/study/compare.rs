@@ -151,6 +151,7 @@ impl VariantComparison<'_> {
             notes: notes(&outcomes).into_iter().chain(yet_to_run).collect(),
             outcomes,
             comparisons,
+            ..VariantFindings::default()
         }
     }
 }

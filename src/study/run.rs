@@ -7,13 +7,10 @@ use super::variants::{VariantFindings, VariantResults, Variants};
 use crate::case::describe;
 use crate::cli::{ModelChoice, Run};
 use crate::experiment::Experiment;
-use crate::observe::{MOMENTS, Observer, SecondMoments, Terms};
-use crate::outcome::Outcome;
-use crate::output::numbers::with_error;
-use crate::output::{FIGURES, Folder, StateFile, csv, figures};
+use crate::observe::{Observer, SecondMoments};
+use crate::output::{StateFile, budget_sentences};
 use crate::runs::{CommandOrigin, CommandSettings, Ranks, StudyError, read, share_threads};
 use crate::schedule::Schedule;
-use crate::statistics::Estimate;
 
 /// Function that makes an additional observer (measurement during a run) for the run of an experiment.
 pub type MakeObserver<'a> = &'a mut dyn FnMut(&Experiment) -> Result<Box<dyn Observer>, StudyError>;
@@ -49,19 +46,25 @@ pub fn run(args: &Run, origin: CommandOrigin, ranks: &Ranks, make: Option<MakeOb
     let is_whole = results.run_replicas(0, 1..usize::from(variants.replicas))?;
     let mut runs = results.runs.swap_remove(0);
     let outcomes = vec![pool(runs.remove(0), runs).0];
+    let budgets = moments.filter(|_| is_whole).map(|moments| moments.budgets(outcomes[0].steadiness.from));
+    let mut sentences = vec![verdict(&outcomes[0])];
+    match &budgets {
+        Some(Some(budgets)) => sentences.extend(budget_sentences(budgets)),
+        Some(None) => sentences.push("No budgets: a slice saw no particle, or nothing was averaged.".into()),
+        None => {}
+    }
     let findings = VariantFindings {
-        verdicts: vec![verdict(&outcomes[0])],
+        verdicts: sentences[..1].to_vec(),
         notes: reason.into_iter().chain(notes(&outcomes)).collect(),
         outcomes,
+        budgets: budgets.flatten(),
         ..VariantFindings::default()
     };
     let report = results.write(&findings, is_whole)?;
     if !is_whole {
         return Err(results.stopped(0));
     }
-    // writing the report replaces the folder of figures, so the budgets are written later
-    let balance = moments.map_or(Ok(Vec::new()), |moments| budgets(&moments, &findings.outcomes[0], &folder))?;
-    results.finish(&findings, &[findings.verdicts.clone(), balance].concat(), &report)
+    results.finish(&findings, &sentences, &report)
 }
 
 /// Variant that the command runs. The text is the reason for its model; `None` unless the program chooses the model
@@ -118,34 +121,6 @@ fn refuse_budgets(args: &Run, experiment: &Experiment) -> Result<(), StudyError>
         Some((_, why, help)) => Err(StudyError::Input(format!("error: --budgets needs {why}\nhelp: {help}"))),
         None => Ok(()),
     }
-}
-
-/// Writes the budgets of the second moments of velocity (rates at which impacts, drag and other effects change them),
-/// and returns sentences with the terms of each budget.
-fn budgets(moments: &SecondMoments, outcome: &Outcome, folder: &Folder) -> Result<Vec<String>, StudyError> {
-    let Some(budgets) = moments.budgets(outcome.steadiness.from) else {
-        return Ok(vec!["No budgets: a slice saw no particle, or nothing was averaged.".into()]);
-    };
-    folder.write("budgets.csv", &csv::budgets(&budgets)?)?;
-    let figure = figures::budgets(&budgets, outcome.experiment.scene.domain.size.y);
-    folder.write(&format!("{FIGURES}/{}.svg", figure.name), figure.svg.as_bytes())?;
-    let term = |term: &Estimate| with_error(*term);
-    let sentence = |(&(name, ..), terms): (&(&str, usize, usize), &Terms<Estimate>)| {
-        format!(
-            "{name} per second, mean over all particles [m²/s³]: production {}, impacts {}, drag {}; rest {}.",
-            term(&terms.production),
-            term(&terms.impacts),
-            term(&terms.drag),
-            term(&terms.rest)
-        )
-    };
-    let walls = format!(
-        "Of these, friction at walls gives {} to uu + ww, and their restitution {} to vv. Averaged from {:.4} s on.",
-        term(&budgets.wall_friction),
-        term(&budgets.wall_restitution),
-        budgets.from
-    );
-    Ok(MOMENTS.iter().zip(&budgets.whole).map(sentence).chain([walls]).collect())
 }
 
 /// Changes the experiment to the engine that its plan recommends. Returns the reason for this engine as a line for the

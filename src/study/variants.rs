@@ -7,7 +7,7 @@ use super::verify::verify_with_checkpoints;
 use crate::case::{Case, Checked};
 use crate::communicator::Communicator;
 use crate::experiment::{Experiment, Trajectories};
-use crate::observe::{Frames, Observer};
+use crate::observe::{Budgets, Frames, Observer};
 use crate::outcome::Outcome;
 use crate::output::numbers::counted;
 use crate::output::{Folder, HalvedStep, Provenance, Study, TrustSheet, Verdict, figures, write_part, write_study};
@@ -131,6 +131,8 @@ pub struct VariantFindings {
     pub overrides: Vec<String>,
     /// Sentences on the limits of the reliability of the results.
     pub notes: Vec<String>,
+    /// Budgets of the second moments of velocity of a single run; `None` unless the user asks for them.
+    pub budgets: Option<Budgets>,
 }
 
 impl<'a> VariantResults<'a> {
@@ -246,6 +248,7 @@ impl<'a> VariantResults<'a> {
             notes: &findings.notes,
             trust: &self.sheets,
             frames: &self.frames,
+            budgets: findings.budgets.as_ref(),
         };
         let write = if whole { write_study } else { write_part };
         self.executor.checkpointer.with_remedy(write(&self.executor.folder, &study))

@@ -1,5 +1,6 @@
 //! Documents (contents of reports) of the studies, one file for each study or part of a report.
 
+mod budgets;
 mod chart;
 mod energy;
 mod files_study;
@@ -21,6 +22,7 @@ mod validation;
 mod verdict;
 mod work;
 
+pub use budgets::budget_sentences;
 pub use chart::{chart_answers, write_chart};
 pub use files_study::write_files_study;
 pub use impact::write_impact;

@@ -1,6 +1,6 @@
 //! Document of a run or a comparison. A variant is one of the experiments of a case.
 
-use super::{energy, gas_flow, hybrid, kinds, measurements, openings, overview, stress, trust, verdict, work};
+use super::{budgets, energy, gas_flow, hybrid, kinds, measurements, openings, overview, stress, trust, verdict, work};
 use crate::outcome::Outcome;
 use crate::output::document::{Block, Document, TextRow, known, status};
 use crate::output::figures::ROUNDING;
@@ -72,6 +72,9 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     tables.extend(gas_flow::csv(outcomes)?.map(|table| ("gas.csv".to_owned(), table)));
     tables.extend(openings::csv(outcomes)?.map(|table| ("flow.csv".to_owned(), table)));
     tables.extend(over_time::paths(outcomes)?.map(|table| ("paths.csv".to_owned(), table)));
+    if let Some(budgets) = study.budgets {
+        tables.push(("budgets.csv".to_owned(), csv::budgets(budgets)?));
+    }
     let reproduction = [
         ("seed", distinct(outcomes.iter().map(|o| o.experiment.run.seed.to_string()))),
         ("threads", distinct(outcomes.iter().map(|o| o.timing.threads.to_string()))),
@@ -82,7 +85,9 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
     figures.extend(figures::glance(study));
     figures.extend(figures::study(outcomes));
     figures.extend(figures::measurements(outcomes));
-    Ok(Document {
+    let of_budgets = |budgets| figures::budgets(budgets, outcomes[0].experiment.scene.domain.size.y);
+    figures.extend(study.budgets.map(of_budgets));
+    let document = Document {
         provenance: study.provenance,
         failures: outcomes.iter().filter_map(|o| Some((o.experiment.name.as_str(), o.failure.as_ref()?))).collect(),
         verdicts: study.verdicts,
@@ -93,7 +98,8 @@ fn document<'a>(study: &Study<'a>) -> Result<Document<'a>, OutputError> {
         tail: vec![Block::entries(reproduction), hashes(outcomes)],
         tables,
         figures,
-    })
+    };
+    Ok(document.with_distinct_names())
 }
 
 /// Main part of the page of a run or a comparison. The first `over_time` figures show curves over time.
@@ -130,6 +136,7 @@ fn body(study: &Study, over_time: usize, figures: &[Figure]) -> Vec<Block> {
     body.extend(hybrid::blocks(outcomes));
     body.extend(stress::blocks(outcomes));
     body.extend(measurements::blocks(outcomes, |name| pictures(figures, &[name])));
+    body.extend(budgets::blocks(study.budgets, || pictures(figures, &["budgets"])));
     body.extend(gas_flow::blocks(outcomes));
     body.extend(pictures(figures, &["gas"]));
     body.push(Block::heading("Energy ledger"));
