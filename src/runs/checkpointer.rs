@@ -435,7 +435,7 @@ fn time(kept: &StoredRun) -> String {
 fn refuse_changes(earlier: &StoredCommand, now: &StoredCommand, case: &Case) -> Result<(), StudyError> {
     let path = case.path.display();
     let refuse = |what: String| {
-        let help = "put it back as it was, or begin anew with `run` or `compare` into another folder";
+        let help = "put it back as it was, or begin the command anew into another folder";
         Err(StudyError::Input(format!("error: {what} since the run began\nhelp: {help}")))
     };
     if earlier.case != now.case {

@@ -20,6 +20,7 @@ use crate::runs::execute;
 use crate::schedule::Schedule;
 use crate::simulation::{Simulation, soft_step};
 use crate::statistics::{Accumulator, Estimate, NUMBER_DENSITY, SliceRow, UU, VV, WW};
+use crate::walls::Wall;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::time::Instant;
@@ -166,11 +167,11 @@ pub fn variance_of(particles: &Particles) -> f64 {
     particles.velocity.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3.0 * count)
 }
 
-/// True if a gas, a shear of the box, a thermostat, thermal walls or walls whose shape moves drive the particles. A
-/// wall whose surface slides or turns in place does not count.
+/// True if a gas, a shear of the box, a thermostat, thermal walls, or walls whose surface or shape moves drive the
+/// particles.
 fn is_driven(experiment: &Experiment) -> bool {
     let scene = &experiment.scene;
-    let moves = scene.walls.iter().any(|wall| wall.moving.is_some());
+    let moves = scene.walls.iter().any(Wall::surface_moves);
     scene.fluid.is_some() || scene.domain.shear.is_some() || scene.is_heated() || moves
 }
 

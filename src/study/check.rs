@@ -109,6 +109,8 @@ struct CheckedVariant {
     /// Kinds of contact, such as contacts between two species, with their names and durations [s]. At most 20 are
     /// listed, the shortest ones. Empty if there is at most one kind between particles and at most one at walls.
     contacts: Vec<(String, f64)>,
+    /// Number of kinds of contact that are not in `contacts`, because their contacts last longer.
+    contacts_left_out: usize,
     /// [s] length of a window, the time between two exchanges of momentum with the gas. If windows grow during the run,
     /// this is the shortest one.
     window: f64,
@@ -214,6 +216,7 @@ impl CheckedVariant {
             TimeStep::PerContact(steps) => shortest.map(|time| time / steps),
         };
         let schedule = Schedule::new(experiment);
+        let (contacts, contacts_left_out) = law.map_or((Vec::new(), 0), |law| contacts(experiment, &law));
         Self {
             name: experiment.name.clone(),
             model: experiment.model(),
@@ -222,7 +225,8 @@ impl CheckedVariant {
             steps: step.map(|step| (experiment.run.duration / step).ceil()),
             pair_contact: times.as_ref().and_then(|times| times.pair),
             wall_contact: times.as_ref().and_then(|times| times.wall),
-            contacts: law.map_or(Vec::new(), |law| contacts(experiment, &law)),
+            contacts,
+            contacts_left_out,
             window: schedule.window,
             longest: schedule.longest(),
             windows: match schedule.longest() > schedule.window {
@@ -243,7 +247,7 @@ impl CheckedVariant {
             let shortest = shortest.into_iter().filter_map(|(name, time)| Some((name, time?)));
             let each = self.contacts.iter().map(|(name, time)| (name.as_str(), *time));
             let listed: Vec<(&str, f64)> = if self.contacts.is_empty() { shortest.collect() } else { each.collect() };
-            if self.contacts.len() == LISTED {
+            if self.contacts_left_out > 0 {
                 let _ = writeln!(text, "    of many kinds of contact the {LISTED} shortest:");
             }
             for (name, time) in listed {
@@ -262,20 +266,22 @@ impl CheckedVariant {
 }
 
 /// Kinds of contact, such as contacts between two species, each with the duration [s] of a contact at the fastest
-/// impacts. Empty if there is at most one kind between particles and at most one at walls.
-fn contacts(experiment: &Experiment, law: &ContactLaw) -> Vec<(String, f64)> {
+/// impacts. Empty if there is at most one kind between particles and at most one at walls. The number is that of kinds
+/// that the list leaves out, because it has at most [`LISTED`] entries.
+fn contacts(experiment: &Experiment, law: &ContactLaw) -> (Vec<(String, f64)>, usize) {
     let kinds = at_fastest_impacts(experiment);
     let several = |wall: bool| kinds.iter().filter(|kind| kind.wall == wall).count() > 1;
     if !several(false) && !several(true) {
-        return Vec::new();
+        return (Vec::new(), 0);
     }
     let mut times: Vec<(String, f64)> =
         kinds.iter().map(|kind| (format!("{}:", kind.name), kind.contact_time(law))).collect();
-    if times.len() > LISTED {
+    let left_out = times.len().saturating_sub(LISTED);
+    if left_out > 0 {
         times.sort_by(|one, other| one.1.total_cmp(&other.1));
         times.truncate(LISTED);
     }
-    times
+    (times, left_out)
 }
 
 /// Reasons that would prevent a run, found without running the case. If the memory is too small, the list contains

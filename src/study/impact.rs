@@ -262,7 +262,12 @@ fn bounce(experiment: &Experiment, particles: Particles, meeting: &ImpactPair) -
             maximum_overlap: summary.largest_overlap.map(|overlap| overlap * meeting.diameter),
         },
         analytic: closed_form(experiment, meeting, first),
-        time_step: (counters.steps > 0).then_some(window),
+        time_step: (counters.steps > 0).then(|| match experiment.model() {
+            Model::Soft => window,
+            // hybrid spheres take steps only during a contact of three or more bodies
+            Model::Hybrid => soft_step(experiment, simulation.particles.len()),
+            Model::Hard | Model::Dsmc => duration / counters.steps as f64,
+        }),
         work: if counters.steps > 0 { counters.steps } else { counters.events },
         wall_seconds,
         parameters: serde_json::Value::Null,

@@ -190,7 +190,7 @@ struct SweepPlan {
 
 impl SweepPlan {
     fn new(case: &Case, axes: &[SweepAxis], args: &Sweep) -> Result<Self, StudyError> {
-        let points: usize = axes.iter().map(|axis| axis.typed.len()).product();
+        let points = axes.iter().fold(1, |points: usize, axis| points.saturating_mul(axis.typed.len()));
         let mut plan = Self::default();
         for index in 0..points.min(MOST + 1) {
             let at = at(axes, index);
@@ -209,7 +209,7 @@ impl SweepPlan {
         }
         if plan.rows.len() > MOST {
             return Err(StudyError::Input(format!(
-                "error: the sweep has more than {MOST} points\nhelp: give fewer values"
+                "error: the sweep has more than {MOST} rows, one for each point and variant\nhelp: give fewer values"
             )));
         }
         Ok(plan)

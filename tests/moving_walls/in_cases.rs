@@ -62,6 +62,12 @@ fn the_case_gives_the_motion_and_refuses_what_cannot_be() {
     assert!(refused(both, &[]).contains("translation"));
     let endless = r#"{ turning = { rate = "1 rad/s", axis = [0, 0, 1], center = [0, 0, 0] } }"#;
     assert!(refused(endless, &["domain.periodic=[]"]).contains("without ends"));
+    let pipe = r#"{ turning = { rate = "1 rad/s", axis = [0, 0, 1], center = ["5 mm", "5 mm", 0] } }"#;
+    let text = moved(pipe).replace(
+        "plane = ",
+        r#"cylinder = { center = ["5 mm", "5 mm", 0], axis = "z", radius = "5 mm", inside = true } #"#,
+    );
+    assert!(case(&text, Model::Hard, &["domain.periodic=[\"z\"]"]).unwrap_err().contains("without ends"));
     assert!(case(CASE, Model::Dsmc, &[]).unwrap_err().contains("not for collisions by chance"));
     let rough = read(&[r#"walls[0].roughness.deviation="5 deg""#]).unwrap_err();
     assert!(rough.contains("does not move"), "{rough}");

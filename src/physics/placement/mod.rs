@@ -71,6 +71,7 @@ impl Crowded {
     fn what(&self) -> String {
         match self.most {
             Some(_) => "there is no random start".into(),
+            None if self.given_up => "no random start without overlap found with limited effort".into(),
             None => format!("no random start without overlap found after {ROUNDS} rounds"),
         }
     }

@@ -7,7 +7,6 @@ use crate::fluid::Profile;
 use crate::predict::flow::terminal_slip;
 use crate::scene::Scene;
 use crate::walls::Wall;
-use nalgebra::Vector3;
 
 /// Upper limit of the speed of particles of one species in still gas, computed from drag alone. The limit decides when
 /// windows may become longer.
@@ -67,9 +66,7 @@ impl<'a> Slowing<'a> {
 /// True if particles may gain kinetic energy of translation, besides that from gravity and from the gas: from a wall
 /// that moves or is thermal, from a thermostat, from the shear of the box, from spins, or by particles that come in.
 fn is_fed(scene: &Scene) -> bool {
-    let feeds = |wall: &Wall| {
-        wall.moving.is_some() || wall.turning.is_some() || wall.thermal.is_some() || wall.velocity != Vector3::zeros()
-    };
+    let feeds = |wall: &Wall| wall.surface_moves() || wall.thermal.is_some();
     let by_all = scene.thermostat.is_some() || scene.domain.shear.is_some() || scene.rotation.is_some();
     by_all || !scene.inlets.is_empty() || scene.walls.iter().any(feeds)
 }

@@ -445,6 +445,11 @@ impl Wall {
         let (turning, moving, roughness, thermal) = (None, None, None, None);
         Self { geometry, surface, elasticity: None, velocity, turning, moving, resistance, roughness, thermal }
     }
+
+    /// True if the surface moves along itself (a belt or a drum) or together with the shape of the wall.
+    pub fn surface_moves(&self) -> bool {
+        self.moving.is_some() || self.turning.is_some() || self.velocity != Vector3::zeros()
+    }
 }
 
 fn is_still(velocity: &Vector3<f64>) -> bool {

@@ -221,7 +221,7 @@ impl TimedTable {
     /// Returns an error if the times are not equally spaced. Averages over time would then need weights.
     pub fn spacing(&self, from: Option<f64>, sources: &Sources) -> Result<(f64, Range<usize>), Diagnostic> {
         let count = self.times.len();
-        let start = from.map_or(0, |from| self.times.partition_point(|time| *time < from * (1.0 - 1e-9)));
+        let start = from.map_or(0, |from| self.times.partition_point(|time| *time < from - 1e-9 * from.abs()));
         let [first, second, ..] = self.times[start..] else { return Ok((1.0, start..count)) };
         let interval = second - first;
         let off = |row: usize| {

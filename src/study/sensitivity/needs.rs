@@ -138,10 +138,12 @@ fn of_models(
         sentences.push(format!("Assumed, since the case does not say: {}.", assumed.join("; ")));
     }
     sentences.extend(factors.iter().find(|factor| factor.name == "seed").and_then(chance));
-    let stopped = factors.iter().filter_map(|factor| {
-        Some(format!("{} cannot be left out: {}.", capital(&factor.title), factor.stopped.as_ref()?))
-    });
-    sentences.extend(stopped);
+    // the first sentence says why the cheapest set stopped
+    sentences.extend(factors.iter().filter(|factor| factor.name != CHEAPEST).filter_map(|factor| {
+        let title = capital(&factor.title);
+        let effect = if is_model(&factor) { "cannot be left out" } else { "stopped" };
+        Some(format!("{title} {effect}: {}.", factor.stopped.as_ref()?))
+    }));
     sentences
 }
 
@@ -277,5 +279,16 @@ mod tests {
         assert!(said[0].contains("but not all together"), "{said:?}");
         let said = say(Factor { stopped: Some("it fell".to_owned()), ..cheapest(0.0, Answer::Equivalent) });
         assert!(said[0].contains("Together they stop: it fell"), "{said:?}");
+        assert_eq!(said.iter().filter(|text| text.contains("it fell")).count(), 1, "{said:?}");
+    }
+
+    #[test]
+    fn only_a_model_is_called_one_that_cannot_be_left_out() {
+        let stopped =
+            |name: &str| Factor { stopped: Some("it fell".to_owned()), ..factor(name, 0.0, Answer::Different) };
+        let (plan, runs) = ([planned("lift", false)], [ran("richest", 10.0)]);
+        let said = of_models((&plan, &[]), &[stopped("lift"), stopped("seed")], &runs, MARGIN);
+        assert!(said.contains(&"The lift cannot be left out: it fell.".to_owned()), "{said:?}");
+        assert!(said.contains(&"The seed stopped: it fell.".to_owned()), "{said:?}");
     }
 }

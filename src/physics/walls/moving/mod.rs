@@ -39,8 +39,8 @@ pub struct MovingShape {
 
 impl MovingShape {
     /// Makes a moving shape at its place at time 0. `shape` is the shape at the place where the case (input file) puts
-    /// it. `None` for the rotation of a shape without an [`extent`](Geometry::extent), such as a plane, whose points
-    /// would have no largest speed.
+    /// it. `None` for the rotation of a shape without an [`extent`](Geometry::extent), such as a plane, and of one that
+    /// extends to infinity, such as a pipe without ends, since their points would have no largest speed.
     pub fn new(shape: WallGeometry, motion: PrescribedMotion) -> Option<Self> {
         let arm = match &motion {
             PrescribedMotion::Turning(turning) => {
@@ -50,7 +50,7 @@ impl MovingShape {
             }
             _ => 0.0,
         };
-        Some(Self { shape: Arc::new(shape), motion, time: 0.0, arm })
+        arm.is_finite().then(|| Self { shape: Arc::new(shape), motion, time: 0.0, arm })
     }
 
     /// Law of the motion of the shape, as a function of the simulated time.
