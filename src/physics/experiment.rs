@@ -1,5 +1,5 @@
-//! One variant of a case (the case with one model and some settings), checked and converted to SI units: all data on
-//! which a simulation depends.
+//! An experiment: all data on which a simulation depends, checked and in SI units. A case (an input file) describes
+//! one or more experiments, its variants, which differ in the collision model or in other settings.
 
 mod defaults;
 mod expected;
@@ -25,7 +25,8 @@ pub enum Model {
     Soft,
     /// Hard spheres: instantaneous collisions.
     Hard,
-    /// Instantaneous collisions where two particles touch and no other is near, spring-dashpot contacts elsewhere.
+    /// Hybrid spheres. Two bodies collide in an instant if no third body is near; otherwise they have a contact of
+    /// springs and dashpots.
     Hybrid,
     /// Instantaneous collisions of pairs that are chosen at random in cells (direct simulation Monte Carlo).
     Dsmc,
@@ -59,13 +60,14 @@ pub enum Spheres {
     Soft(ContactLaw),
     /// Hard spheres, which collide in an instant.
     Hard,
-    /// Hard spheres where two bodies touch and no other body is near, soft spheres with this contact law elsewhere.
+    /// Hybrid spheres: hard spheres where two bodies touch and no third body is near, otherwise soft spheres with this
+    /// contact law.
     Hybrid(ContactLaw),
     /// Spheres whose collision pairs are chosen at random (direct simulation Monte Carlo).
     Dsmc,
 }
 
-/// Reference with which a variant is compared.
+/// Reference with which the results of a variant (one of the experiments in a case) are compared.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Reference {
@@ -75,7 +77,8 @@ pub enum Reference {
     Table(ReferenceTable),
 }
 
-/// Table of values with which averages of a variant are compared.
+/// Table of values, such as measurements, with which averages of a variant (one of the experiments in a case) are
+/// compared.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReferenceTable {
     /// Name of the table, as sentences of reports use it.
@@ -100,9 +103,9 @@ pub struct ReferencePoint {
 /// All data on which a simulation depends, in SI units.
 #[derive(Clone, Debug, Serialize)]
 pub struct Experiment {
-    /// Name of the variant of the case; by default the name of its collision model.
+    /// Name of this experiment, which is one of the variants in a case; by default the name of its collision model.
     pub name: String,
-    /// Reference with which this variant is compared; `None` if the case names none.
+    /// Reference with which the results of this experiment are compared; `None` if the case names none.
     pub against: Option<Reference>,
     /// Box, walls, gravity, gas and species, which every engine reads.
     pub scene: Scene,
@@ -146,9 +149,9 @@ impl Experiment {
         }
     }
 
-    /// Number of particles for predictions of contacts, at least the number `now` in the scene. With inlets it is at
-    /// least 2, so that contacts of two particles are predicted before any has come in. With outlets it is at least the
-    /// number at the start, although particles may have left.
+    /// Number of particles for predictions of contacts, such as the shortest contact time. It is at least `now`, the
+    /// number of particles in the scene. With inlets it is at least 2, so that contacts of two particles are predicted
+    /// before any has come in. With outlets it is at least the number at the start, although particles may have left.
     pub fn most_that_touch(&self, now: usize) -> usize {
         let scene = &self.scene;
         let coming = if scene.inlets.is_empty() { 0 } else { 2 };
@@ -265,8 +268,8 @@ impl Amount {
 /// Settings of the soft engine: contact law, time step and integrator.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SoftSettings {
-    /// Contact law that the case names, for pairs and walls; `None` is allowed if the case runs no soft and no hybrid
-    /// spheres.
+    /// Contact law between particles and at walls, as given in the case. It may be `None` in a case without soft and
+    /// hybrid spheres.
     pub law: Option<ContactLaw>,
     /// Choice of the time step Δt: by a number of steps per contact, or a given time.
     pub time_step: TimeStep,
@@ -313,7 +316,8 @@ pub enum Integrator {
     Rk2,
 }
 
-/// Settings of the hard engine: method by which it finds collisions, and contact time of the TC model.
+/// Settings of the hard engine: method by which it finds collisions, and contact time of the TC model (in which a
+/// collision that soon follows another one is elastic).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HardSettings {
     /// Method by which the engine finds collisions: an event queue or time steps.
@@ -363,8 +367,8 @@ pub enum HardStepping {
 /// Duration, window (time between two exchanges with the gas), seed and collision model of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunSettings {
-    /// [s] interval between instants at which all particles can be written to a file. A window that contains such an
-    /// instant is divided there. `None` if there are no such instants.
+    /// [s] interval between instants at which all particles can be written to a file. A window (time between two
+    /// exchanges with the gas) that contains such an instant is divided there. `None` if there are no such instants.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instants: Option<f64>,
     /// Collision model of the run.

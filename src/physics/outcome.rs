@@ -1,5 +1,5 @@
-//! Result of one run of one variant: all data from which outputs are made. A variant is the case with one collision
-//! model and some settings. Replicas are runs of the variant with different seeds.
+//! Result of one run: all data that output files and figures need. A case (an input file) describes one or more
+//! experiments, its variants. Replicas are runs of one variant with different seeds.
 
 use crate::engine::{Counters, Failure};
 use crate::experiment::{Experiment, Integrator, Model};
@@ -10,7 +10,7 @@ use crate::record::{Impacts, Record};
 use crate::statistics::{Batches, Estimate, ProfileTable, Steadiness};
 use serde::Serialize;
 
-/// Result of one variant. The run may be complete, or a failure may have ended it early.
+/// Result of one run of a variant (one of the experiments in a case). A failure may have ended the run early.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
     /// The experiment that was run.
@@ -19,9 +19,9 @@ pub struct Outcome {
     pub failure: Option<Failure>,
     /// Number of particles at the end of the run.
     pub particles: usize,
-    /// FNV-1a hash of the initial state. Variants that start from the same particles have the same hash.
+    /// Hash (FNV-1a) of the initial state. Two runs that start from the same particles have the same hash.
     pub initial_state_hash: u64,
-    /// FNV-1a hash of the final state.
+    /// Hash (FNV-1a) of the final state.
     pub final_state_hash: u64,
     /// [s] simulated time that the run reached.
     pub simulated_seconds: f64,
@@ -34,9 +34,9 @@ pub struct Outcome {
     /// [s] time step of soft contacts, of stepped hard spheres or of collisions by chance (DSMC); `None` if collisions
     /// are found at exact instants.
     pub time_step: Option<f64>,
-    /// Averages in slices across the height y.
+    /// Averages over time in slices, the layers of the box between two heights y.
     pub profiles: ProfileTable,
-    /// Averages of each species, and impacts of each pair of species or of a species and a wall, for mixtures.
+    /// For mixtures: averages of each species, and of the impacts between two species or between a species and a wall.
     pub kinds: KindAverages,
     /// Averages in rings about the axis, for flow in a pipe.
     pub rings: RingAverages,
@@ -48,19 +48,20 @@ pub struct Outcome {
     pub places_kept: Option<f64>,
     /// Impacts of the whole run, and its ledger: the account of all gains and losses of energy and momentum.
     pub record: Record,
-    /// Impacts between particles that ended in the averaging period.
+    /// Impacts between particles that ended in the averaging period. The instant from which impacts are counted is
+    /// stated at [`ImpactSeries::since`](crate::observe::ImpactSeries::since).
     pub pairs: Impacts,
-    /// Impacts on walls that ended in the averaging period.
+    /// Impacts on walls that ended in the averaging period, counted from the same instant as those between particles.
     pub walls: Impacts,
     /// [1/s] number of collisions between particles per time, over the averaging period; `None` without samples.
     pub pair_rate: Option<Estimate>,
     /// [1/s] number of collisions with walls per time, over the averaging period; `None` without samples.
     pub wall_rate: Option<Estimate>,
     /// [-] restitution of impacts between particles, measured over the whole run; `None` without an impact. The
-    /// estimate has no error if too few intervals between samples had an impact.
+    /// estimate has no error if too few intervals between samples (instants of measurement) had an impact.
     pub pair_restitution: Option<Estimate>,
-    /// [-] restitution of impacts at walls, measured over the whole run. `None` without an impact at a wall. The
-    /// estimate has no error if too few intervals between samples had such an impact.
+    /// [-] restitution of impacts at walls, measured over the whole run; `None` without an impact at a wall. The
+    /// estimate has no error if too few intervals between samples (instants of measurement) had such an impact.
     pub wall_restitution: Option<Estimate>,
     /// [m²/s²] granular temperature over the averaging period: a third of the variance of the velocities about the mean
     /// of each slice at the same instant. `None` without samples.
@@ -68,8 +69,9 @@ pub struct Outcome {
     /// Collision rates, temperature and shear stress averaged in blocks of time, from which errors are computed.
     #[serde(skip)]
     pub averaged: Averaged,
-    /// [J] residual of the energy balance of the whole run: the change of energy that the ledger does not explain. Its
-    /// standard error follows from the scatter of the change of this residual between successive samples.
+    /// [J] residual of the energy balance of the whole run: the change of energy that the work and the losses in the
+    /// ledger do not explain. Its standard error follows from its changes between successive samples (instants of
+    /// measurement).
     pub energy_residual: Estimate,
     /// [J] kinetic, rotational and elastic energy at the start.
     pub energy_at_start: f64,
@@ -142,7 +144,8 @@ impl Outcome {
     }
 }
 
-/// Averages of single quantities in blocks of time. A field is `None` without samples.
+/// Averages of some quantities, each with its values in blocks of time, from which the standard error follows. A field
+/// is `None` without samples (instants of measurement).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Averaged {
     /// [1/s] number of collisions between particles per time.
@@ -153,18 +156,19 @@ pub struct Averaged {
     pub temperature: Option<Batches>,
     /// [Pa] stress that opposes the shear of a sheared box, kinetic plus contact part; `None` without shear.
     pub shear_stress: Option<Batches>,
-    /// Errors estimated from the scatter between replicas; `None` for a single run.
+    /// Number of replicas (runs with different seeds), and a check of the standard errors by the scatter between
+    /// replicas. `None` for a single run.
     pub replicas: Option<Replicas>,
 }
 
 /// Several runs of one variant that differ only in their seed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Replicas {
-    /// Number of replicas.
+    /// Number of replicas (runs with different seeds).
     pub count: usize,
-    /// [-] scatter of averages between the replicas, divided by the standard errors computed within each run: the root
-    /// mean square of this ratio over the mean velocity, the temperature and the collision rates. It is near 1 if the
-    /// standard errors are right. `None` if no average has an error.
+    /// [-] scatter of an average between the replicas, divided by its standard error computed within one run. The
+    /// number is the root mean square of this ratio over the mean velocity, the temperature and the collision rates.
+    /// It is near 1 if the standard errors are right. `None` if no average has an error.
     pub scatter_over_errors: Option<f64>,
 }
 
@@ -180,8 +184,8 @@ pub struct Timing {
     /// [s] part of the engine's time that was spent on straight flight of all particles; 0 if it is not timed
     /// separately.
     pub flight: f64,
-    /// [s] wall-clock time spent on changes of velocity between the windows, such as those by drag, lift, heat and
-    /// buoyancy.
+    /// [s] wall-clock time spent on changes of velocity between windows (times between two exchanges with the gas),
+    /// such as those by drag, lift, heat and buoyancy.
     pub drag: f64,
     /// [s] wall-clock time spent on measurements at samples.
     pub statistics: f64,

@@ -54,8 +54,8 @@ impl Meeting {
 }
 
 impl From<Surface> for Meeting {
-    /// Makes the contact properties of a pair with the surface `surface`. Its stiffness is that of the contact law, and
-    /// its rolling and twisting friction are those of the rolling and twisting laws.
+    /// Makes the contact properties of a pair with the surface `surface`. The stiffness of the pair is that of the
+    /// contact law. Its rolling and twisting friction are those of the rolling and twisting laws.
     fn from(surface: Surface) -> Self {
         Self { surface, stiffness_ratio: 1.0, at_mass: None, resistance: ResistanceFriction::default() }
     }
@@ -117,7 +117,7 @@ impl Pairs {
         self.0.binary_search_by_key(&key, |(species, other, _)| (*species, *other)).ok().map(|place| &self.0[place].2)
     }
 
-    /// All pairs: a species, another species or a wall, and their contact properties, in ascending order.
+    /// All pairs in ascending order: a species, another species or a wall, and their contact properties.
     pub fn iter(&self) -> impl Iterator<Item = &(u16, Kind, Meeting)> {
         self.0.iter()
     }
@@ -339,7 +339,7 @@ impl Scene {
 
     /// All kinds of impacts in the scene, each listed once. Two kinds differ in restitution, mass ratio (tangential
     /// over normal effective mass) or shear ratio. If sizes differ, the spheres are taken to have the mean volume.
-    /// `shear_ratio` returns the ratio [-] of Mindlin's stiffness to Hertz's elastic constant for two elasticities.
+    /// `shear_ratio` returns Mindlin's stiffness over Hertz's elastic constant [-] for the elasticities of two bodies.
     pub fn impact_kinds(&self, shear_ratio: impl Fn([Option<Elasticity>; 2]) -> f64) -> Vec<ImpactKind> {
         let species = |species: u16| &self.species[usize::from(species)];
         let body = |of: u16| {
@@ -404,7 +404,7 @@ impl Scene {
         }
     }
 
-    /// All pairs of species with their contact properties. Each pair is listed once, the smaller index first.
+    /// All pairs of species, equal ones included, with their contact properties; the smaller index comes first.
     pub fn meetings(&self) -> impl Iterator<Item = (u16, u16, Meeting)> {
         let count = self.species.len() as u16;
         let each = move |one| (one..count).map(move |other| (one, other, self.meeting(one, Kind::Species(other))));

@@ -55,8 +55,7 @@ use std::borrow::Cow;
 use std::time::Duration;
 use totals::SimulationTotals;
 
-/// A simulation of one variant of a case, such as that with hard spheres: the particles, the engine that moves them,
-/// and the records of the run.
+/// A simulation of one experiment: the particles, the engine that moves them, and the records of the run.
 ///
 /// ```
 /// # extern crate diptych_physics as diptych;
@@ -92,8 +91,8 @@ pub struct Simulation {
     spheres: Vec<Sphere>,
     /// Gas flow that the particles change (two-way coupling); `None` if particles do not change the gas.
     loaded_flow: Option<Box<LoadedFlow>>,
-    /// Drag kicks for the two durations used most recently, such as half a window and a whole window. They are stored
-    /// because the table of a tabulated kick takes long to compute.
+    /// Changes of velocity by drag (kicks) for the two durations that were prepared last, such as half a window and a
+    /// whole window. They are stored because a table of a kick takes long to compute.
     kicks: Vec<Kick>,
     /// Number, mass, momentum and mean radius of the particles of all processes.
     totals: SimulationTotals,
@@ -104,8 +103,8 @@ pub struct Simulation {
     /// Description of the gathered particles, while the lead process (number 0) stores particles of all processes in
     /// place of its own. `None` at other times.
     shown: Option<GatheredParticles>,
-    /// True if velocities and positions belong to one time. False if velocities lack the half-kick of drag at the end
-    /// of the latest window.
+    /// True if velocities and positions belong to one time. False if velocities lack the half-kick (change by drag in
+    /// half a window) at the end of the latest window.
     half_kicked: bool,
     /// Failure that [`run`](Self::run) returns before the next window: a contact law that violates a requirement, a
     /// soft time step that is too long, or a gas flow that is not finite. `None` if the simulation may run.
@@ -250,9 +249,9 @@ impl Simulation {
         self.clock.clone()
     }
 
-    /// Runs `windows` windows of `window` [s] each. At the end, velocities and positions belong to the same time.
-    /// Several threads are faster within [`keep_workers_spinning`](crate::work_sharing::keep_workers_spinning), since
-    /// idle threads then do not sleep.
+    /// Runs `windows` windows (times between two exchanges with the gas) of `window` [s] each. At the end, velocities
+    /// and positions belong to the same time. Several threads are faster within
+    /// [`keep_workers_spinning`](crate::work_sharing::keep_workers_spinning), since idle threads then do not sleep.
     ///
     /// # Errors
     /// A failure of the engine, a particle that left the domain, an unstable soft time step, or energy that grew more
@@ -272,9 +271,9 @@ impl Simulation {
     /// after the run. [`gather`](Self::gather) gathers the parts, and [`sample`](Self::sample) is used for sums over
     /// all particles.
     ///
-    /// When `go_on` is called, and after a run that was stopped, velocities lack a half-kick of drag.
-    /// [`with_synchronised_velocities`](Self::with_synchronised_velocities) and
-    /// [`finish_half_kick`](Self::finish_half_kick) apply this half-kick.
+    /// At the calls of `go_on`, and after a run that was stopped, velocities lack the change by drag in half a window
+    /// (half-kick). [`with_synchronised_velocities`](Self::with_synchronised_velocities) and
+    /// [`finish_half_kick`](Self::finish_half_kick) apply it.
     ///
     /// # Errors
     /// Errors of [`run`](Self::run).
@@ -316,8 +315,8 @@ impl Simulation {
         Ok(windows)
     }
 
-    /// Applies the half-kick that velocities lack after a run was stopped. `window` [s] is the length of the windows of
-    /// that run. Call this method only if the run is not continued.
+    /// Applies the change by drag in half a window (half-kick) that velocities lack after a run was stopped. `window`
+    /// [s] is the length of the windows of that run. Call this method only if the run is not continued.
     pub fn finish_half_kick(&mut self, window: f64) {
         if !self.half_kicked {
             self.scatter();
@@ -434,9 +433,10 @@ impl Simulation {
         self.totals.momentum = self.particles.momentum();
     }
 
-    /// Calls `show` during a run, at a time when velocities lack a half-kick of drag. `kick` [s] is the duration of
-    /// this half-kick, which is applied before the call. Afterwards all velocities are restored, so that the call
-    /// changes no bit of the run. If each process has a part of the particles, all processes apply the half-kick.
+    /// Calls `show` during a run, at a time when velocities lack the change by drag in half a window (half-kick). This
+    /// half-kick of the duration `kick` [s] is applied before the call. Afterwards all velocities are restored, so
+    /// that the call changes no bit of the run. If each process has a part of the particles, all processes apply the
+    /// half-kick.
     pub fn with_synchronised_velocities<T>(&mut self, kick: f64, show: impl FnOnce(&mut Self) -> T) -> T {
         let kicked = self.is_dragged() || self.scene.thermostat.is_some();
         let kept = kicked.then(|| {

@@ -19,8 +19,8 @@ const BITS: u32 = 32;
 /// Number of 32-bit digits of an exact sum. They suffice for every finite `f64`, and for the sum of 2^40 numbers of the
 /// largest size.
 const DIGITS: usize = 67;
-/// Number of 64-bit words after the digits of an exact sum. They count the terms that are infinite, minus infinite, and
-/// not a number.
+/// Number of 64-bit words after the digits of an exact sum. These words count the terms that are infinite, minus
+/// infinite, and not a number.
 const SPECIAL: usize = 3;
 /// Number of 64-bit words in which an exact sum is stored: its digits and three counts of special terms.
 const WORDS: usize = DIGITS + SPECIAL;
@@ -133,9 +133,9 @@ impl ExactSum {
         self.added = 1;
     }
 
-    /// Returns the 64-bit words in which the sum is stored, for example to add the sums of several processes. The total
-    /// of up to 2^20 sums is exact if its word k is computed as the sum of the words k of these sums. This holds also
-    /// for terms that are not finite.
+    /// Returns the 64-bit words in which the sum is stored, for example to add up the sums of several processes. Up to
+    /// 2^20 sums may be added word by word: the words k of all sums are added to one word k. The resulting words are
+    /// those of the exact total, also with terms that are not finite.
     pub fn words(&mut self) -> &mut [i64; WORDS] {
         self.carry();
         // all words count as used, since the caller may change any of them

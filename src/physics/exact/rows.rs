@@ -33,8 +33,8 @@ const CHUNK: usize = 8192;
 struct Parts<const K: usize> {
     high: [f64; K],
     low: [f64; K],
-    /// Remaining bits of all rows that neither partial sum contains, combined by bitwise OR for each column. It is 0 if
-    /// the partial sums are exact, apart from the sign bit of a zero.
+    /// Remaining bits of all rows that neither partial sum contains, combined by bitwise OR for each column. The bits
+    /// of a column are 0, apart from the sign bit of a zero, if its partial sums are exact.
     left: [u64; K],
     /// Largest magnitude of the numbers in each column of the block.
     largest: [f64; K],
@@ -281,8 +281,9 @@ pub fn sum_and_largest<T: Sync>(items: &[T], of: impl Fn(&T) -> f64 + Sync) -> (
     (all, most)
 }
 
-/// Sums of the K numbers that `of` computes from each group of N consecutive items. If fewer than N items remain at the
-/// end, the last group is filled with `T::default()`, for which `of` must return zeros.
+/// Sums of the K numbers that `of` computes from each group of N consecutive items. If fewer than N items remain at
+/// the end of the work of one thread, they are followed by `T::default()` in their group. For these default items `of`
+/// must return zeros.
 pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
     items: &[T],
     of: impl Fn(&[T; N]) -> [f64; K] + Sync,

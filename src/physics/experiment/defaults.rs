@@ -13,8 +13,9 @@ use nalgebra::Vector3;
 const STEPS_PER_CONTACT: f64 = 20.0;
 
 impl Experiment {
-    /// Makes the experiment of a scene with the default settings of a case. The run lasts `duration` [s], its seed is
-    /// 1, and its time step and window are chosen from the scene. The caller changes other settings in the fields.
+    /// Makes the experiment of a scene with the default settings of a case. The run lasts `duration` [s], and its seed
+    /// is 1. The time step and the window (time between two exchanges with the gas) are chosen from the scene. The
+    /// caller changes other settings in the fields.
     ///
     /// ```
     /// # extern crate diptych_physics as diptych;
@@ -72,7 +73,8 @@ impl Population {
 }
 
 impl RunSettings {
-    /// Settings of a run of `duration` [s] with seed 1, an automatic window, and averages from the steady state on.
+    /// Settings of a run of `duration` [s] with seed 1 and averages from the steady state on. The length of the window
+    /// (time between two exchanges with the gas) is chosen by the program.
     pub fn new(spheres: Spheres, duration: f64) -> Self {
         Self { instants: None, spheres, duration, average_from: AverageFrom::Steady, window: None, seed: 1 }
     }
@@ -100,7 +102,8 @@ impl Default for HardSettings {
 }
 
 impl Default for HybridSettings {
-    /// Settings with a clearance of two contact times (docs/design/hybrid.md).
+    /// Settings with a clearance of two contact times. A touch is an instantaneous collision if no third body can come
+    /// near within this time (docs/design/hybrid.md).
     fn default() -> Self {
         Self { clearance: 2.0 }
     }

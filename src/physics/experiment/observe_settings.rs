@@ -25,7 +25,7 @@ pub struct ObserveSettings {
     /// Settings of the fields of density, velocity and stress on a grid; `None` if they are not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fields: Option<FieldsSettings>,
-    /// True if the gas velocity that particles see is measured.
+    /// True if the fluctuation of the gas velocity at the particles is measured.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub seen_gas: bool,
     /// Settings of the shear viscosity; `None` if it is not measured.
@@ -130,7 +130,7 @@ pub struct ViscositySettings {
 /// Settings of the measurement of clusters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ClustersSettings {
-    /// [m] gap between two particles below which they are connected.
+    /// [m] gap between the surfaces of two particles below which the two belong to one cluster.
     pub gap: f64,
 }
 

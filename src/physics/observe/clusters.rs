@@ -1,4 +1,4 @@
-//! Clusters: groups of particles that are connected by pairs with a gap below a given one.
+//! Clusters: groups of particles that are connected by pairs whose gap is below a given length.
 //!
 //! The gap of two spheres is the distance of their centres minus both radii, measured to the nearest image across
 //! periodic sides. A particle without such a pair is a cluster of one. Averaged over all particles, the size of the

@@ -87,8 +87,8 @@ impl Diffusion {
         }
     }
 
-    /// Begins a block of time, whose origin is the present instant. `by_id[k]` is the index in the store of the
-    /// particle with the id k.
+    /// Begins a block of time, whose origin is the present instant. `by_id[k]` is the index of the particle with the
+    /// id k in the particles of the simulation.
     fn begin(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let particles = &simulation.particles;
         let domain = &simulation.scene().domain;
@@ -101,8 +101,8 @@ impl Diffusion {
         self.blocks.push(MotionBlock { origin: simulation.time, samples: vec![Vec::new(); self.species] });
     }
 
-    /// Adds the displacement of each particle since the previous sample to its displacement from the origin. `by_id[k]`
-    /// is the index in the store of the particle with the id k.
+    /// Adds the displacement of each particle since the previous sample to its displacement from the origin.
+    /// `by_id[k]` is the index of the particle with the id k in the particles of the simulation.
     fn track(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let domain = &simulation.scene().domain;
         let TrackedParticles { position, displacement, .. } = &mut self.tracked;
@@ -121,8 +121,8 @@ impl Diffusion {
         simulation.particles.velocity.iter().any(reaches)
     }
 
-    /// Adds the means over each species at the present time to the latest block. `by_id[k]` is the index in the store
-    /// of the particle with the id k.
+    /// Adds the means over each species at the present time to the latest block. `by_id[k]` is the index of the
+    /// particle with the id k in the particles of the simulation.
     fn measure(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let (particles, tracked) = (&simulation.particles, &self.tracked);
         let sums = sums_in_groups(self.species, by_id.len(), |id| {

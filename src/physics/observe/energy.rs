@@ -6,9 +6,9 @@ use crate::simulation::Simulation;
 use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Energy of all particles at the start and the end of a run, and the unexplained energy at every sample. The
-/// unexplained energy is the change of energy minus the work and losses in the ledger. The ledger has the sums of all
-/// work and losses.
+/// Energy of all particles at the start and the end of a run, and the unexplained energy at every sample (instant of
+/// measurement). The unexplained energy is the change of energy minus the work and losses in the ledger, which holds
+/// the sums of all work and losses.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct EnergyBooks {
     /// [J] kinetic, rotational and elastic energy of all particles at the start of the run.

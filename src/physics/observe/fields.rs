@@ -6,11 +6,11 @@
 //! contact stress(x) = <Σ_pairs r f ∫ φ(x - x_i + s r) ds>, s from 0 to 1, r = x_i - x_j, f: force of j on i
 //! ```
 //!
-//! φ is a Gaussian of the width w, set to zero beyond the distance 4 w. Its values at the centres of the cells are
-//! divided by their sum. Mass, momentum and Σ r f are then conserved exactly: the integral of each field over the box
-//! is the sum over the particles. Beside a wall, no part of a particle is assigned to places outside the box.
-//! Compression is positive. The force is the elastic part of the normal force. Hard spheres have no contact stress
-//! here.
+//! The particle at x_i has the mass m and the velocity v, and <...> is an average over time. φ is a Gaussian of the
+//! width w, set to zero beyond the distance 4 w. Its values at the centres of the cells are divided by their sum.
+//! Mass, momentum and Σ r f are then conserved exactly: the integral of each field over the box is the sum over the
+//! particles. Beside a wall, no part of a particle is assigned to places outside the box. Compression is positive. The
+//! force is the elastic part of the normal force. Hard spheres have no contact stress here.
 
 use super::contact_network::{ContactLine, contact_lines};
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedGrid, ObservedNumber, ObservedQuantity};

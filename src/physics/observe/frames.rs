@@ -28,8 +28,8 @@ const BUDGET: usize = 90_000;
 /// velocity fluctuations alone. It is short enough to show collisions.
 const FLIGHT: f64 = 1.0;
 
-/// [-] largest factor by which the mean flight between two frames may exceed `FLIGHT` so that the frames cover the
-/// whole run. If it would be larger, the frames end before the run.
+/// [-] largest mean distance that a particle may fly between two frames, over `FLIGHT`, if the frames cover the whole
+/// run. If the distance would be larger, the frames end before the run.
 const WHOLE: f64 = 5.0;
 
 /// State of the recorded particles at one instant.
@@ -75,8 +75,8 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Creates an observer of one run. `variants` is the number of runs, one per variant of the case, that are shown
-    /// together on a page.
+    /// Creates an observer of one run. `variants` is the number of runs that are shown together on a page, one for
+    /// each variant of the case (each of its experiments).
     pub fn new(experiment: &Experiment, variants: usize) -> Self {
         let room = BUDGET / variants.max(1);
         let particles = MOST_PARTICLES.min(room / FRAMES.start()).min(experiment.count().max(1)).max(1);

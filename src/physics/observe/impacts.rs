@@ -8,8 +8,9 @@ use crate::simulation::Simulation;
 use crate::statistics::{Batches, Estimate, FEWEST_BLOCKS, estimate};
 use serde::{Deserialize, Serialize};
 
-/// Number of equal parts of a run. The sums of the impacts are stored at the ends of these parts. If the start of
-/// averaging is detected, it is one of these ends in the first half of the run ([`judge`](crate::statistics::judge)).
+/// Number of equal parts of a run. If the start of averaging is to be detected after the run
+/// ([`judge`](crate::statistics::judge)), it will be in the first half of the run. The sums of the impacts are then
+/// stored at the ends of the parts in this half, since averaging may begin near any of them.
 const MARKS: u64 = 40;
 
 /// Sums over all impacts from the start of the run to one sample (instant of measurement).

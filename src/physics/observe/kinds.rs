@@ -147,8 +147,8 @@ fn weighted_mean(near: f64, values: impl Iterator<Item = (f64, f64)>) -> f64 {
 
 impl KindAverages {
     /// Averages over several replicas (runs with different seeds), with the impacts of all of them. If `by_runs` is
-    /// true, each run is one block for the errors, as in [`Batches::pool`]. Curves over time are those of the first
-    /// run.
+    /// true, each run is one block for the errors of `profiles` and `batches`, as in [`Batches::pool`]. All other
+    /// errors follow from the errors of the runs. Curves over time are those of the first run.
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some((first, others)) = runs.split_first() else { return Self::default() };
         let species = first.species.iter().enumerate().map(|(place, own)| {
@@ -363,7 +363,7 @@ impl OfSpecies {
     }
 }
 
-/// Copy of the particles of one species with their positions and velocities, in the order of the store.
+/// Copy of the positions, velocities and masses of the particles of one species, in the order of `particles`.
 fn only(particles: &Particles, species: u16) -> Particles {
     let mut own = Particles::default();
     for (place, _) in particles.species.iter().enumerate().filter(|(_, own)| **own == species) {

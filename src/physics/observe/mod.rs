@@ -103,7 +103,7 @@ pub enum Needs {
     /// those of the whole run.
     Parts,
     /// Every n-th particle by id (1: all particles), and the particles in contact with a selected particle.
-    /// [`Simulation::count`] and [`Simulation::agitation`] refer to all particles nevertheless.
+    /// [`Simulation::count`] and [`Simulation::fluctuation_speed`] refer to all particles nevertheless.
     Every(u32),
 }
 
@@ -176,8 +176,8 @@ impl<F: FnMut(&Simulation) + Send> Observer for F {
     }
 }
 
-/// Adds the particles to the averages of slices at every sample. In a sheared box, velocities are relative to the mean
-/// flow.
+/// Adds the particles to the averages of slices at every sample (instant of measurement). In a sheared box, velocities
+/// are relative to the mean flow.
 impl Observer for Accumulator {
     fn needs(&self) -> Needs {
         Needs::Sums
@@ -190,7 +190,8 @@ impl Observer for Accumulator {
     plain_data!();
 }
 
-/// Runs a simulation through all windows of its schedule, and calls the observers at their times.
+/// Runs a simulation through all windows (times between two exchanges with the gas) of its schedule, and calls the
+/// observers at their times.
 ///
 /// # Errors
 /// The failure that stopped the run.

@@ -243,7 +243,8 @@ impl SecondMoments {
         }
     }
 
-    /// Budgets averaged over the parts of the run that begin at `from` [s] or later; `None` if there are no such parts.
+    /// Budgets averaged over the parts of the run that begin at `from` [s] or later; `None` if there are no such
+    /// parts, or if a slice contained no particle.
     pub fn budgets(&self, from: f64) -> Option<Budgets> {
         let used: Vec<&MomentBlock> = self.parts.iter().filter(|part| part.start >= from * (1.0 - 1e-9)).collect();
         let from = used.first()?.start;

@@ -1,7 +1,7 @@
-//! Gas velocity that the particles see in scenes with `[fluid.turbulence]`: its fluctuation **u** in slices of y. If
-//! the mean of a component of **u** perpendicular to the flow is not zero, the gas that particles see drifts. If
-//! particles sample the turbulence evenly, a component of **u** has the mean square 2k/3 of the gas, with its turbulent
-//! kinetic energy k.
+//! Gas velocity at the particles (that they "see") in scenes with `[fluid.turbulence]`: its fluctuation **u** in
+//! slices of y. If the mean of a component of **u** perpendicular to the flow is not zero, the gas at the particles
+//! drifts. If particles sample the turbulence evenly, a component of **u** has the mean square 2k/3 of the gas, with
+//! its turbulent kinetic energy k.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedQuantity};
 use super::{Needs, Observer, plain_data};
@@ -28,7 +28,7 @@ struct SeenGasSample {
     slices: Vec<[f64; SUMS]>,
 }
 
-/// Measurement of the fluctuation of the gas velocity that particles see.
+/// Measurement of the fluctuation of the gas velocity at the particles.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SeenGas {
     /// [s] time between the used samples.

@@ -165,7 +165,8 @@ impl RotationSums {
 /// the fluctuation of the gas velocity at the position of a particle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TurbulenceMeans {
-    /// [m²/s²] variance of a component of the gas velocity at the positions of the particles, 2/3 k.
+    /// [m²/s²] variance of a component of the gas velocity at the positions of the particles: 2k/3, with the turbulent
+    /// kinetic energy k.
     pub of_gas: f64,
     /// [m²/s²] mean square of the fluctuation u of the gas velocity at the positions of the particles.
     pub seen: f64,

@@ -1,6 +1,6 @@
-//! Static structure factor S(k) = <|Σ exp(-i k·x)|²>/N of the centres, for wave vectors that fit into the periodic box:
-//! k = 2π (n_x/L_x, n_y/L_y, n_z/L_z) with whole numbers n (Hansen and McDonald, Theory of Simple Liquids, 4th edition
-//! 2013, section 4.1). S of an ideal gas is 1.
+//! Static structure factor S(k) = <|Σ exp(-i k·x)|²>/N of the N centres x, for wave vectors that fit into the periodic
+//! box: k = 2π (n_x/L_x, n_y/L_y, n_z/L_z) with the edges L of the box and whole numbers n (Hansen and McDonald,
+//! Theory of Simple Liquids, 4th edition 2013, section 4.1). S of an ideal gas is 1.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::{Needs, Observer, plain_data};

@@ -181,9 +181,10 @@ impl VelocityDistribution {
     }
 }
 
-/// [-] coefficient a₂ of a homogeneous gas by theory, for a gas that cools or that random accelerations heat. `None` if
-/// a side of the box is not periodic, or with walls, inlets, outlets, gas or shear. `None` also with friction,
-/// rotation, several species or sizes, or a restitution that depends on the speed.
+/// [-] coefficient a₂ of a homogeneous gas by theory, for a gas that cools or that random accelerations heat. The
+/// Gaussian thermostat gives the coefficient of a cooling gas. `None` if a side of the box is not periodic, or with
+/// walls, inlets, outlets, gas or shear. `None` also with friction, rotation, several species or sizes, or a
+/// restitution that depends on the speed.
 fn theory(experiment: &Experiment) -> Option<f64> {
     let scene = &experiment.scene;
     let surface = scene.surface(0, Kind::Species(0));

@@ -135,8 +135,8 @@ impl Histogram {
         self.width *= 2.0;
     }
 
-    /// Histogram of the values that were added after `before` was copied from this histogram. The maximum of these
-    /// values is accurate to the width of a bin, unless it is the largest value of all.
+    /// Histogram of the values that were added after `before` was copied from this histogram. Its maximum is too large
+    /// by up to the width of a bin, unless the largest of all values is among these values.
     pub fn since(&self, before: &Self) -> Self {
         let mut past = before.clone();
         while past.width > 0.0 && past.width < self.width {

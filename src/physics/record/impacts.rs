@@ -4,14 +4,14 @@ use super::Histogram;
 use crate::exact::ExactSum;
 use serde::{Deserialize, Serialize};
 
-/// One finished impact: a finished contact, or a collision.
+/// One finished impact: a soft contact that has ended, or an instantaneous collision.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Impact {
     /// [m/s] normal speed of approach at first touch, positive.
     pub normal_speed: f64,
     /// [m/s] normal speed of separation at the end of the impact; positive if the bodies separate.
     pub rebound_speed: f64,
-    /// [s] duration of the contact; 0 for a collision.
+    /// [s] duration of the contact; 0 for an instantaneous collision.
     pub duration: f64,
     /// [-] overlap when the impact was first detected, divided by the smaller diameter of the two bodies; 0 for an
     /// event-driven collision.
@@ -19,11 +19,11 @@ pub struct Impact {
     /// [-] largest overlap during the impact, divided by the smaller diameter of the two bodies; 0 for an event-driven
     /// collision.
     pub maximum_overlap: f64,
-    /// [s] time integral over the impact of the relative overlap (overlap divided by the smaller diameter); 0 for a
-    /// collision.
+    /// [s] time integral over the impact of the relative overlap (overlap divided by the smaller diameter); 0 for an
+    /// instantaneous collision.
     pub overlap_time: f64,
-    /// Soft contact that this instantaneous impact replaces, in an engine that also has lasting contacts; otherwise
-    /// `None`.
+    /// Soft contact that this instantaneous impact replaces, in an engine that also has lasting contacts (hybrid
+    /// spheres); otherwise `None`.
     pub left_out: Option<LeftOut>,
     /// Slip of the surfaces before and after the impact; `None` for spheres without rotation.
     pub slip: Option<SlipChange>,
@@ -140,7 +140,7 @@ pub struct Impacts {
     pub first_overlap: Histogram,
     /// [-] realised restitution of each impact: speed of rebound divided by speed of approach.
     pub restitution: Histogram,
-    /// [s] duration of the contact of each impact; 0 for a collision.
+    /// [s] duration of the contact of each impact; 0 for an instantaneous collision.
     pub duration: Histogram,
     /// Contacts that an engine replaced by instantaneous impacts.
     pub instants: InstantaneousContacts,
@@ -314,7 +314,7 @@ pub struct Summary {
     /// spheres do not rotate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share_sliding: Option<f64>,
-    /// [s] mean duration of the impacts; a collision counts with the duration 0.
+    /// [s] mean duration of the impacts; an instantaneous collision counts with the duration 0.
     pub mean_duration: Option<f64>,
     /// [-] mean of the overlaps at which impacts were first detected, each divided by the smaller diameter.
     pub mean_first_overlap: Option<f64>,

@@ -13,8 +13,8 @@ pub const ENTRIES: usize = 44;
 pub const SOME: usize = 12;
 
 /// Indices, in [`Ledger::to_array`], of the entries to which a contact of two particles adds. In this order they are:
-/// first column of the virial, loss by restitution, second column, loss by friction, third column, loss by tangential
-/// restitution. A column has three entries.
+/// first column of the matrix [`Ledger::pair_virial`], loss by restitution, second column, loss by friction, third
+/// column, loss by tangential restitution. A column has three entries.
 pub const OF_PAIRS: [usize; SOME] = [18, 19, 20, 3, 21, 22, 23, 4, 24, 25, 26, 27];
 
 /// Indices, in [`Ledger::to_array`], of the entries to which a contact with a wall adds. In this order they are:
@@ -39,7 +39,7 @@ const BY_THERMOSTAT: usize = 36;
 /// components of their momentum follow.
 const BY_FLOW: usize = 40;
 
-/// Totals of energy and momentum of an island (a group of particles that may meet), a window (the time between two
+/// Sums of work, losses and impulses in an island (a group of particles that may meet), a window (the time between two
 /// exchanges with the gas) or a run.
 ///
 /// Balance: kinetic, rotational and elastic energy now = that at the start + drag_work + gravity_work + wall_work +
@@ -208,9 +208,9 @@ impl Ledger {
         [drag_work, gravity_work, wall_work, shear_work, thermostat_work, flow_energy]
     }
 
-    /// [J] total energy turnover: the sum of the magnitudes of the energy at the start [J] and of all gains but those
-    /// by impacts. These are the works of drag, gravity, walls, shear and a thermostat, and the energy that came in and
-    /// left.
+    /// [J] total energy turnover: the magnitude of `energy_at_start` plus the magnitudes of all gains of energy in
+    /// other ways than by impacts. These gains are the works of drag, gravity, walls, shear and a thermostat, and the
+    /// energy that came in and left.
     pub fn through(&self, energy_at_start: f64) -> f64 {
         self.gains().iter().fold(energy_at_start.abs(), |sum, gain| sum + gain.abs())
     }

@@ -16,8 +16,9 @@ pub use ledger::{AT_WALLS, BY_SHEAR, Books, ENTRIES, FrictionLosses, Ledger, OF_
 use crate::work_sharing;
 use serde::{Deserialize, Serialize};
 
-/// Impacts and ledger amounts from a part of an engine's work, not yet added to a [`Record`]. With separate logs an
-/// engine can discard a part of its work, and several threads can write.
+/// Impacts, and amounts for the ledger (sums of work, losses and impulses), from a part of an engine's work. They are
+/// not yet added to a [`Record`]. With separate logs an engine can discard a part of its work, and several threads can
+/// write.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
     /// Finished impacts, each with the kinds of its two bodies.

@@ -69,8 +69,9 @@ impl Scene {
         buoyancy.map_or(&[], |buoyancy| &buoyancy.differences)
     }
 
-    /// True if kicks change the velocities of particles between two windows. Kicks come from drag, lift, a
-    /// thermostat, the forces of an orbit, or the buoyancy of species of different densities.
+    /// True if forces outside the engine change the velocities of particles between two windows (times between two
+    /// exchanges with the gas). These forces are drag, lift, a thermostat, the forces of an orbit, and the buoyancy of
+    /// species of different densities.
     pub fn is_kicked(&self) -> bool {
         let dragged = self.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some() || fluid.lift.is_some());
         let driven = self.thermostat.is_some() || self.domain.orbit().is_some();

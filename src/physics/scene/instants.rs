@@ -35,7 +35,7 @@ impl Scene {
         self.walls.iter().any(|wall| wall.moving.is_some())
     }
 
-    /// True if particles see fluctuations of the gas velocity.
+    /// True if the gas is turbulent, so that fluctuations of its velocity act on the particles.
     pub fn has_turbulence(&self) -> bool {
         self.fluid.as_ref().is_some_and(|fluid| fluid.turbulence.is_some())
     }

@@ -3,9 +3,9 @@
 
 use serde::Serialize;
 
-/// Heating of all particles, in addition to gravity and gas. It acts on velocities alone, in kicks at the ends of
-/// windows, and keeps the total momentum. Velocities c are relative to the mean velocity of all particles and, in a
-/// sheared box, to the mean flow.
+/// Heating of all particles, in addition to gravity and gas. It changes velocities alone, at the ends of windows
+/// (times between two exchanges with the gas), and keeps the total momentum. Velocities c are relative to the mean
+/// velocity of all particles and, in a sheared box, to the mean flow.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Thermostat {

@@ -18,37 +18,38 @@ pub struct ContactSummary {
 }
 
 impl Simulation {
-    /// [J] kinetic and rotational energy of all particles plus the energy stored in contacts. Before the first window,
-    /// the stored energy is that of the initial overlaps. Particles of all processes count (see
-    /// [`sample`](Self::sample)).
+    /// [J] kinetic and rotational energy of all particles plus the energy stored in contacts. Before the first window
+    /// (time between two exchanges with the gas), the stored energy is that of the initial overlaps. The sum is over
+    /// the particles of all processes, as with [`sample`](Self::sample).
     pub fn energy(&self) -> f64 {
         let sample = self.sample();
         sample.kinetic_energy() + sample.rotational_energy() + self.elastic_energy()
     }
 
-    /// [J] energy stored in the contacts of all particles. Before the first window, it is that of the initial overlaps.
-    /// Particles of all processes count (see [`sample`](Self::sample)).
+    /// [J] energy stored in the contacts of all particles. Before the first window (time between two exchanges with
+    /// the gas), it is that of the initial overlaps. The sum is over the particles of all processes, as with
+    /// [`sample`](Self::sample).
     pub fn elastic_energy(&self) -> f64 {
         self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
     }
 
-    /// [J] energies stored in tangential, rolling and twisting springs, as parts of the elastic energy. Particles of
-    /// all processes count (see [`sample`](Self::sample)).
+    /// [J] energies stored in tangential, rolling and twisting springs, as parts of the elastic energy. The sums are
+    /// over the particles of all processes, as with [`sample`](Self::sample).
     pub fn spring_energies(&self) -> [f64; 3] {
         self.engine.spring_energies()
     }
 
-    /// Contacts in progress: each two bodies (two particles, or a particle and a wall) by their indices, with their
-    /// overlap [m]. Empty unless the engine has soft contacts.
+    /// All contacts in progress: the indices of the two bodies (two particles, or a particle and a wall) and their
+    /// overlap [m]. The list is empty unless the engine has soft contacts.
     pub fn contacts(&self) -> Vec<(Couple, f64)> {
         let mut contacts = Vec::new();
         self.for_each_contact(|couple, overlap| contacts.push((couple, overlap)));
         contacts
     }
 
-    /// Calls `visit` with each two bodies in contact (two particles, or a particle and a wall), given by their indices,
-    /// and with their overlap [m]. Engines with instantaneous collisions have no contacts. Contacts with particles of
-    /// other processes are left out; [`contacts_abroad`](Self::contacts_abroad) returns them.
+    /// Calls `visit` for each contact in progress, with the indices of its two bodies (two particles, or a particle
+    /// and a wall) and their overlap [m]. Engines with instantaneous collisions have no contacts. Contacts with
+    /// particles of other processes are left out; [`contacts_abroad`](Self::contacts_abroad) returns them.
     pub fn for_each_contact(&self, mut visit: impl FnMut(Couple, f64)) {
         let mut look = |couple: Couple| {
             let overlap = couple.meet(&self.particles, &self.scene, FrameTime::default()).overlap();
@@ -63,8 +64,8 @@ impl Simulation {
         }
     }
 
-    /// [m] largest overlap of each particle, in the order of the store; 0 for a particle without a soft contact.
-    /// Contacts with particles of other processes are left out.
+    /// [m] largest overlap of each particle, in the order of [`particles`](Self::particles); 0 for a particle without
+    /// a soft contact. Contacts with particles of other processes are left out.
     pub fn overlaps(&self) -> Vec<f64> {
         let mut overlaps = vec![0.0_f64; self.particles.len()];
         self.for_each_contact(|couple, overlap| {
@@ -75,8 +76,8 @@ impl Simulation {
         overlaps
     }
 
-    /// Contacts with particles of other processes, each as the index of the particle in this process and the overlap
-    /// [m] (soft engine). Both processes list the contact. The list is empty unless each process has a part of the
+    /// Contacts of the soft engine with particles of other processes: the index of the particle in this process, and
+    /// the overlap [m]. Both processes list the contact. The list is empty unless each process has a part of the
     /// particles.
     pub fn contacts_abroad(&self) -> Vec<(u32, f64)> {
         self.touching_abroad().into_iter().map(|(index, overlap)| (index, overlap.depth)).collect()
@@ -86,7 +87,7 @@ impl Simulation {
         self.engine.distributed().map_or_else(Vec::new, Distributed::touching_abroad)
     }
 
-    /// Summary of all contacts in progress. Particles of all processes count (see [`sample`](Self::sample)).
+    /// Summary of all contacts in progress, of the particles of all processes, as with [`sample`](Self::sample).
     pub fn touching(&self) -> ContactSummary {
         let abroad = self.touching_abroad();
         let deepest = abroad.iter().map(|(_, overlap)| overlap.depth / overlap.diameter).fold(0.0, f64::max);

@@ -1,5 +1,5 @@
-//! Two-way coupling: the gas loses the momentum that a kick of drag gives to the particles, and its velocity profile is
-//! computed again. A window is the time between two kicks.
+//! Two-way coupling: the gas loses the momentum that a kick (change of velocities by drag at fixed positions) gives to
+//! the particles, and its velocity profile is computed again. A window is the time between two kicks.
 
 use super::Simulation;
 use crate::domain::Domain;
@@ -29,9 +29,9 @@ impl Simulation {
     }
 
     /// Sums over the particles in each slice of the gas (layer at equal distance from the wall), before or after a
-    /// kick. The field `impulse` of each is the momentum [kg m/s] of the particles along z. The field `exchange` is the
-    /// sum of m/τ [kg/s] over the particles, with the mass m and the response time τ in `kick`. It is 0 without `kick`,
-    /// or if the particles do not change the turbulence. `None` if the particles do not change the gas.
+    /// kick. The field `impulse` is the momentum [kg m/s] of the particles along z. The field `exchange` is the sum of
+    /// m/τ [kg/s], with the mass m of each particle and its response time τ in `kick`. It is 0 without `kick`, or if
+    /// the particles do not change the turbulence. `None` if the particles do not change the gas.
     pub(super) fn slice_sums(&self, kick: Option<(&Kick, Option<&LocalFractions>)>) -> Option<Vec<SliceSums>> {
         let (flow, fluid) = (self.loaded_flow()?, self.scene.fluid.as_ref()?);
         let kick = kick.filter(|_| flow.coupling().modulation != Modulation::None);

@@ -3,8 +3,8 @@
 //! and impulses since the start.
 //!
 //! The random size, velocity and spin of a particle are determined by the seed of the run and the id of the particle.
-//! Its random position depends also on the number of the window. So these random values do not depend on threads, on
-//! the order of the store, or on a stop and continuation of the run.
+//! Its random position depends also on the number of windows completed so far. So these random values do not depend on
+//! threads, on the order in which particles are stored, or on a stop and continuation of the run.
 
 use super::Simulation;
 use super::through_flow::ThroughFlow;
@@ -20,9 +20,9 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Number of random positions tried for a particle at the end of a window. Random sequential addition of spheres jams
-/// at a volume fraction of 0.382 (Talbot, Schaaf and Tarjus 1991). At half of this fraction about 1 in 10 positions is
-/// free.
+/// Number of random positions tried for a particle at the end of a window (time between two exchanges with the gas).
+/// Random sequential addition of spheres jams at a volume fraction of 0.382 (Talbot, Schaaf and Tarjus 1991). At half
+/// of this fraction about 1 in 10 positions is free.
 const TRIES: usize = 1000;
 
 /// Free space of each inlet of `scene`, in which new particles can be placed. The walls of the scene must not have
@@ -41,7 +41,8 @@ struct SphereInTheWay {
 }
 
 impl SphereInTheWay {
-    /// True if a sphere at `position` [m] with this radius [m] would overlap or nearly touch this one.
+    /// True if a sphere with the centre `position` [m] and the radius `radius` [m] would overlap or nearly touch
+    /// `self`.
     fn blocks(&self, position: &Vector3<f64>, radius: f64, domain: &Domain) -> bool {
         let reach = (self.radius + radius) * (1.0 + MARGIN);
         domain.separation(position, &self.position).norm_squared() <= reach * reach

@@ -13,9 +13,9 @@ use crate::scene::Species;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Smallest number of particles for which the drag law is tabulated; with inlets or outlets, it is tabulated for any
-/// number. Making the table takes as long as several dozen kicks of this number of particles, and a run makes hundreds
-/// of kicks.
+/// Smallest number of particles for which the drag law is tabulated. With inlets or outlets, it is tabulated for any
+/// number. Making the table takes as long as several dozen kicks (changes of velocities by drag) of this number of
+/// particles, and a run makes hundreds of kicks.
 const TABULATE: usize = 1000;
 
 impl Simulation {
@@ -23,8 +23,8 @@ impl Simulation {
         self.scene.fluid.as_ref().is_some_and(|fluid| fluid.drag.is_some())
     }
 
-    /// Applies drag and a thermostat to all particles for `duration` [s], without any motion. The random numbers of the
-    /// kick follow from its `number`.
+    /// Applies drag and a thermostat to all particles for `duration` [s], without any motion (a kick). The random
+    /// numbers of the kick follow from its `number`.
     pub(super) fn kick(&mut self, duration: f64, number: u64) {
         let (dragged, heated) = (self.is_dragged(), self.scene.thermostat.is_some());
         if (dragged || heated) && self.engine.is_cut() {

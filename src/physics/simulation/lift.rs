@@ -9,8 +9,9 @@ use crate::record::Ledger;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Kick of lift before or after a window. Before a window the torque acts first, after a window the force acts first.
-/// Both kicks together then have an error of second order in the window.
+/// Place of a kick of lift (change of velocities and spins at fixed positions): before or after a window. Before a
+/// window the torque acts first, after a window the force acts first. Both kicks together then have an error of second
+/// order in the window.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum LiftKick {
     BeforeWindow,

@@ -1,5 +1,5 @@
-//! Kicks of an orbit: Coriolis force and tides change velocities, and positions stay as they are. The ledger holds the
-//! sums of work, losses and impulses since the start.
+//! Kicks (changes of velocities at fixed positions) by the forces of an orbit: Coriolis force and tides. The ledger
+//! holds the sums of work, losses and impulses since the start.
 
 use super::Simulation;
 use super::weight::accelerate;

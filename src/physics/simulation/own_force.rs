@@ -8,7 +8,8 @@ use nalgebra::Vector3;
 
 impl Simulation {
     /// Accelerates all particles for `duration` [s] without any motion. `acceleration` returns the acceleration [m/s²]
-    /// of the particle at a given index in the store. The ledger counts work and impulse as those of drag.
+    /// of the particle at a given index in [`particles`](Self::particles). The ledger (sums of work and losses) counts
+    /// work and impulse as those of drag.
     ///
     /// Call this method when velocities and positions belong to one time: after [`run`](Self::run), or after
     /// [`complete`](Self::complete). If the acceleration is applied for half a window before and half a window after

@@ -13,7 +13,7 @@ use crate::walls::ServoState;
 pub(super) struct ServoControl {
     /// Contact law, which gives the forces of particles on the walls.
     law: ContactLaw,
-    /// [Pa s/m] damping of servo walls to which the case gives none.
+    /// [Pa s/m] damping of those servo walls for which the case gives no damping.
     damping: f64,
 }
 

@@ -18,13 +18,13 @@ use std::sync::Arc;
 /// Connection of a simulation to the other processes that share its run.
 pub struct SharedSimulation {
     communicator: Arc<dyn Communicator>,
-    /// One entry for each observer that exists in all processes. It is true if the other processes have received the
-    /// data that the observer has collected in the lead process so far.
+    /// One entry for each observer that exists in all processes. The entry is true if the other processes have
+    /// received the data that the observer has collected in the lead process so far.
     informed: Vec<bool>,
 }
 
-/// Description of the particles gathered from all processes. They replace the particles of the lead process for a
-/// while.
+/// Description of particles gathered from all processes, which replace the particles of the lead process (number 0)
+/// for a while.
 pub struct GatheredParticles {
     /// Step in the ids of the gathered particles: 1 for all particles, 2 for every second particle, and so on.
     every: u32,
@@ -33,8 +33,8 @@ pub struct GatheredParticles {
     pub fluctuation_speed: Option<f64>,
 }
 
-/// Order from the lead process to the other processes. The lead also does the ordered work itself, on its own
-/// particles.
+/// Order from the lead process (number 0) to the other processes. The lead also does the ordered work itself, on its
+/// own particles.
 #[derive(Clone, Serialize, Deserialize)]
 pub enum Order {
     /// Apply drag and heat without motion for a duration [s]. The second value is the number of the kick, which
@@ -44,7 +44,7 @@ pub enum Order {
     /// particles change the gas, the gas is sent too (otherwise `None`), since processes that had no particles have not
     /// computed it.
     Advance(f64, f64, Option<Box<LoadedFlow>>),
-    /// Store the velocities and the state of the gas, before a half-kick for observers.
+    /// Store the velocities and the state of the gas, before the velocities are changed for observers (measurements).
     Keep,
     /// Restore the velocities and the state of the gas that the order `Keep` has stored.
     TakeBack,
@@ -58,9 +58,10 @@ pub enum Order {
     /// Send the records of this process to the lead, and then the particles of each process in turn.
     Give,
     /// Call observers (measurements) for the particles of the process. The values are the time [s], the total momentum
-    /// [kg m/s], and the index of each observer with stored data or `None`.
+    /// [kg m/s], and a list with the index of each observer and its stored data or `None`.
     ///
-    /// At its first call in this way, an observer continues from the data that its copy in the lead process has stored.
+    /// Only at the first call of an observer there are stored data. The observer then continues from these data, which
+    /// its copy in the lead process has collected.
     See(f64, Vector3<f64>, Vec<(usize, Option<Stored>)>),
     /// End the work of the other processes, because the run is over.
     End,
@@ -88,10 +89,10 @@ impl Drop for SharedSimulation {
 
 impl Simulation {
     /// Shares this simulation with other processes. While this saves time, each process moves the particles in its own
-    /// block of the domain. The results of the lead process are then, bit by bit, those of a run in one process. Each
-    /// other process must make a simulation with the same scene and engine, whose particles are discarded. It must
-    /// [`follow`](Self::follow) the lead until the simulation of the lead is dropped. The first `observers` observers
-    /// of the lead exist in all processes.
+    /// block of the domain. The results of the lead process (number 0) are then, bit by bit, those of a run in one
+    /// process. Each other process must make a simulation with the same scene and engine, whose particles are
+    /// discarded. It must [`follow`](Self::follow) the lead until the simulation of the lead is dropped. `observers`
+    /// is the number of observers that exist in all processes; they are the first observers of the lead.
     pub fn shared(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         let told = communicator.broadcast(postcard::to_stdvec(&self.totals).unwrap_or_default());
         self.totals = postcard::from_bytes(&told).unwrap_or(self.totals);
@@ -131,9 +132,9 @@ impl Simulation {
         self
     }
 
-    /// Executes the orders of the lead for the particles of this process until the simulation of the lead ends. `see`
-    /// calls the observer at an index with the simulation. At the first call of an observer, `see` also gets the data
-    /// that its copy in the lead has stored; at later calls `None`.
+    /// Executes the orders of the lead process (number 0) for the particles of this process until the simulation of
+    /// the lead ends. `see` calls the observer at an index with the simulation. At the first call of an observer,
+    /// `see` also gets the data that the copy of the observer in the lead has stored; at later calls `None`.
     pub fn follow(mut self, see: &mut dyn FnMut(&Self, usize, Option<&Stored>)) {
         let (mut kept, mut kept_gas) = (Particles::default(), None);
         while let Some(share) = &self.share {
@@ -170,9 +171,9 @@ impl Simulation {
         }
     }
 
-    /// If processes share the run, gathers every `every`-th particle by id and the particles in contact with one of
-    /// them in the lead process. With `every` = 1, all particles and all records are gathered. The next window replaces
-    /// the gathered particles by those of the process.
+    /// If processes share the run, copies every `every`-th particle by id, and the particles in contact with one of
+    /// them, to the lead process (number 0). With `every` = 1, all particles and all records are gathered. Before the
+    /// next window the copies are replaced by the particles of the lead process itself.
     pub fn gather(&mut self, every: u32) {
         if self.share.is_none() || self.shown.as_ref().is_some_and(|shown| [1, every].contains(&shown.every)) {
             return;
@@ -229,8 +230,8 @@ impl Simulation {
         }
     }
 
-    /// Adds the records (impacts, energies and momenta) of all processes to those of the lead process. The records of
-    /// the other processes are empty afterwards.
+    /// Adds the records (impacts, energies and momenta) of all processes to those of the lead process (number 0). The
+    /// records of the other processes are empty afterwards.
     pub(super) fn collect_records(&mut self) {
         let Some(share) = &self.share else { return };
         let own = if self.is_follower() { std::mem::take(&mut self.record) } else { Record::default() };
@@ -265,8 +266,9 @@ impl Simulation {
         }
     }
 
-    /// Continues from the `count` parts of a stored state, in the lead process. `next` returns the part with a given
-    /// number. At the same time the other processes must call [`take_dealt`](Self::take_dealt) to receive their parts.
+    /// Continues from the `count` parts of a stored state, in the lead process (number 0). `next` returns the part
+    /// with a given number. At the same time the other processes must call [`take_dealt`](Self::take_dealt) to receive
+    /// their parts.
     ///
     /// # Errors
     /// The parts do not contain all particles.

@@ -13,11 +13,11 @@ use crate::stored::{StoreError, Stored};
 use crate::walls::ServoState;
 use serde::{Deserialize, Serialize};
 
-/// All data that a simulation needs to continue after a window. A simulation of the same experiment continues from a
-/// snapshot with identical bits. `docs/design/runs.md` lists the contents.
+/// All data that a simulation needs to continue after a window (time between two exchanges with the gas). A simulation
+/// of the same experiment continues from a snapshot with identical bits. `docs/design/runs.md` lists the contents.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Snapshot {
-    /// The particles, in the order of the store; empty if the state is divided into parts.
+    /// The particles, in the order in which the simulation stores them; empty if the state is divided into parts.
     pub particles: Particles,
     /// Number of parts of the state, which are stored separately from the snapshot; 0 if the snapshot contains the
     /// whole state.
@@ -32,13 +32,14 @@ pub struct Snapshot {
     pub spent: SimulationTimes,
     /// Sums over all particles of all processes.
     totals: SimulationTotals,
-    /// True if the kick after the latest window has been applied completely, so that velocities and positions belong to
-    /// one time. False if velocities still lack a half-kick.
+    /// True if the change of velocity by drag after the latest window has been applied completely, so that velocities
+    /// and positions belong to one time. False if velocities still lack the change by drag in half a window.
     half_kicked: bool,
     /// Limit of the growth of the energy by errors of the time steps of soft spheres. It depends on the initial state.
     /// `None` if there is no such limit, as without soft contacts.
     bound: Option<Bound>,
-    /// [J] elastic energy of the overlaps at the start; `None` after the first window.
+    /// [J] elastic energy of the overlaps at the start; `None` after the first window (time between two exchanges with
+    /// the gas).
     unseen: Option<f64>,
     /// Gas flow that the particles change; `None` if the particles do not change the gas.
     loaded_flow: Option<Box<LoadedFlow>>,
@@ -99,7 +100,8 @@ impl Simulation {
     }
 
     /// Continues from a snapshot with the engine of this simulation, which the calling program may have supplied. The
-    /// scene and the settings do not change; particles and records are those of the snapshot.
+    /// settings and the shapes of the scene do not change. The particles, the records, the gas flow and the places of
+    /// moving walls become those of the snapshot.
     ///
     /// # Errors
     /// The snapshot was taken with another engine.

@@ -27,8 +27,9 @@ pub struct FlowTotals {
     pub kinetic_energy: f64,
     /// [J] rotational energy of the particles when they passed.
     pub rotational_energy: f64,
-    /// [J] potential energy -m g·x in the gravity of the scene, which is 0 at the origin. The ledger has the work of
-    /// gravity in its place, so this energy is not part of the balance.
+    /// [J] sum of the potential energies -m g·x of the particles when they passed, with the mass m, the acceleration g
+    /// by gravity and the position x. This energy is not part of the energy balance, where the work of gravity takes
+    /// its place.
     pub potential_energy: f64,
     /// [m/s] sum of the speeds of the particles when they passed.
     pub speed: f64,
@@ -76,8 +77,8 @@ impl OpeningFlow {
         self.count
     }
 
-    /// Adds the particle at `index` to the sums. Returns the entry in the ledger for a particle that comes
-    /// into the scene; for one that leaves, the sign is opposite.
+    /// Adds the particle at `index` to the sums. Returns the entry in the ledger (sums of energies and momenta) for a
+    /// particle that comes into the scene. For a particle that leaves, the entry must get the opposite sign.
     pub(super) fn add(&mut self, particles: &Particles, index: usize, gravity: Vector3<f64>) -> Ledger {
         let (mass, velocity) = (particles.mass[index], particles.velocity[index]);
         let momentum = velocity * mass;
@@ -144,7 +145,7 @@ impl Simulation {
     }
 
     /// Lets particles leave through outlets and come in through inlets at the end of a window, and updates engine,
-    /// ledger and totals. Velocities may lack a half-kick of drag, as between windows.
+    /// ledger and totals. Velocities may lack the change by drag in half a window, as between windows.
     pub(super) fn exchange_particles(&mut self) {
         let Some(mut flow) = self.through_flow.take() else { return };
         // all particles are in the lead process
@@ -158,8 +159,9 @@ impl Simulation {
         self.through_flow = Some(flow);
     }
 
-    /// Particles that leave now: the index of each in the store, and the index of its outlet, in the order of the
-    /// particles. A particle that is in several outlets leaves through the first one.
+    /// Particles that leave now: the index of each in [`particles`](Simulation::particles), and the index of its
+    /// outlet, in ascending order of the particles. A particle that is in several outlets leaves through the first
+    /// one.
     fn leaving(&self, flow: &ThroughFlow) -> Vec<(u32, usize)> {
         if flow.outlets.is_empty() {
             return Vec::new();

@@ -1,6 +1,6 @@
-//! Kicks of drag in a turbulent gas. The velocity of each particle changes together with the fluctuation of the gas
-//! velocity that it sees. `docs/design/turbulence.md` gives the equations. The kicks act between windows, which are the
-//! times between two exchanges with the gas.
+//! Kicks of drag in a turbulent gas. In a kick the velocity of each particle changes together with the fluctuation of
+//! the gas velocity that the particle sees (that at its position). `docs/design/turbulence.md` gives the equations.
+//! The kicks act between windows, which are the times between two exchanges with the gas.
 
 use super::Simulation;
 use crate::drag::Kick;
@@ -14,14 +14,15 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 
 impl Simulation {
-    /// Number of the kick that follows the latest completed window. The random numbers of the kick depend on this
-    /// number. A half-kick for observers uses the same number, because that half-kick is undone before the kick itself.
+    /// Number of the kick (change of velocities by drag) that follows the latest completed window. The random numbers
+    /// of the kick depend on this number. A half-kick for observers uses the same number, because that half-kick is
+    /// undone before the kick itself.
     pub(super) fn number_of_kick(&self) -> u64 {
         2 * self.windows
     }
 
-    /// Number of the half-kick before the next window, in a run whose previous window ended with a half-kick. The
-    /// random numbers of the half-kick depend on this number.
+    /// Number of the half-kick (change of velocities by drag in half a window) before the next window, in a run whose
+    /// previous window ended with a half-kick. The random numbers of the half-kick depend on this number.
     pub(super) fn number_of_first_half(&self) -> u64 {
         2 * self.windows + 1
     }
@@ -84,7 +85,7 @@ pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: 
     particles.eddies = Some(eddies);
 }
 
-/// Kick of drag in a turbulent gas.
+/// Kick of drag in a turbulent gas: change of the velocities of all particles during a time, at fixed positions.
 pub(super) struct TurbulentKick<'a> {
     /// Profile of the mean velocity of the gas.
     pub profile: &'a Profile,
@@ -103,8 +104,8 @@ pub(super) struct TurbulentKick<'a> {
 type Moving<'a> = (&'a mut [Vector3<f64>], &'a mut [Vector3<f64>]);
 
 impl TurbulentKick<'_> {
-    /// Applies drag to all particles, and advances the fluctuations that they see. Returns sums over all particles: the
-    /// impulse [kg m/s] of drag along x, y and z, and the work [J] of drag.
+    /// Applies drag to all particles, and advances in time the fluctuations of the gas velocity at the particles.
+    /// Returns sums over all particles: the impulse [kg m/s] of drag along x, y and z, and the work [J] of drag.
     pub fn apply(&self, particles: &mut Particles) -> [ExactSum; 4] {
         let Some(mut eddies) = particles.eddies.take() else { return exact::none() };
         let mut velocity = std::mem::take(&mut particles.velocity);

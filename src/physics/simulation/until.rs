@@ -17,13 +17,14 @@ impl Simulation {
         Ok(Self::new(experiment, initial_state(experiment)?))
     }
 
-    /// Runs until `time` [s] in the windows that the program uses for the experiment. For a simulation with an engine
-    /// of the calling program, the first call chooses the length of the windows from the particles, and later calls
-    /// keep this length. At the end, velocities and positions belong to `time`. If the simulation has reached `time`
-    /// already, no window is run, and only a missing half-kick of drag is applied.
+    /// Runs until `time` [s] in the windows (times between two exchanges with the gas) that the program uses for the
+    /// experiment. For a simulation with an engine of the calling program, the first call chooses the length of the
+    /// windows from the particles, and later calls keep this length. At the end, velocities and positions belong to
+    /// `time`. If the simulation has reached `time` already, no window is run, and velocities only get a missing
+    /// change by drag.
     ///
-    /// A call that ends at a sample of the schedule changes no bit of the results. At any other time the call divides a
-    /// kick of drag, which changes rounding, and may divide a window.
+    /// A call that ends at a sample (instant of measurement) of the schedule changes no bit of the results. At any
+    /// other time the call divides a change of velocity by drag, which changes rounding, and may divide a window.
     ///
     /// # Errors
     /// Errors of [`run`](Self::run).
@@ -49,8 +50,8 @@ impl Simulation {
         result
     }
 
-    /// Adds the half-kick of drag that velocities lack after [`run_until_while`](Self::run_until_while) was stopped.
-    /// The half-kick divides a kick, which changes rounding.
+    /// Adds the change by drag in half a window (half-kick) that velocities lack after
+    /// [`run_until_while`](Self::run_until_while) was stopped. The half-kick divides a kick, which changes rounding.
     ///
     /// # Errors
     /// A particle left the domain, or energy grew more than errors of the time integrator explain.
@@ -62,13 +63,14 @@ impl Simulation {
         self.check()
     }
 
-    /// [s] end of the present window of the schedule; `None` if no windows are chosen yet.
+    /// [s] end of the present window (time between two exchanges with the gas) of the schedule; `None` if no windows
+    /// are chosen yet.
     pub fn end_of_window(&self) -> Option<f64> {
         (self.schedule_position.window() > 0.0)
             .then(|| self.position_at_present(*self.schedule_position.schedule()).after(1))
     }
 
-    /// [s] time of the next sample of the schedule; `None` if no windows are chosen yet.
+    /// [s] time of the next sample (instant of measurement) of the schedule; `None` if no windows are chosen yet.
     pub fn next_sample(&self) -> Option<f64> {
         (self.schedule_position.window() > 0.0)
             .then(|| self.position_at_present(*self.schedule_position.schedule()).next_sample())

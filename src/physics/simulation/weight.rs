@@ -25,9 +25,9 @@ impl Simulation {
         self.scene.differences_in_gravity().is_empty() && !self.scene.has_openings()
     }
 
-    /// Adds the work and the impulse of gravity in a window of `window` [s] to the ledger. `reached` [s] is the part of
-    /// the window before a failure, or the whole window. `by_walls` [kg m/s] is the momentum that walls have given to
-    /// the particles in this time.
+    /// Adds the work and the impulse of gravity in a window of `window` [s] to the ledger (sums of work and losses).
+    /// `reached` [s] is the time from the start of the window to a failure, or the whole window. `by_walls` [kg m/s]
+    /// is the momentum that walls have given to the particles in this time.
     pub(super) fn book_gravity(&mut self, by_walls: Vector3<f64>, [window, reached]: [f64; 2]) {
         let g = self.scene.gravity;
         // The work of gravity is computed from the momentum of all particles. Momentum exchanged between particles

@@ -20,19 +20,19 @@ pub const FEWEST_RUNS: usize = 3;
 /// distribution is the normal distribution within 0.2 %.
 pub const MOST_STATED: usize = 1023;
 
-/// Several averages over a run, or over the replicas of a run (runs with different seeds), with the values in each
-/// block of time.
+/// Several averages (components) over a run, or over the replicas of a run (runs with different seeds), with the
+/// values in each block of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batches {
-    /// Averages over the run or runs, one per component, each in the unit of its component.
+    /// Averages over the run or runs, one for each component, each in the unit of its component.
     pub values: Vec<f64>,
     /// Numbers of each component, one per block. Blocks are in the order of time, one replica after the other. For an
     /// average over samples, the number is the average over the block. For other quantities it is the jackknife
     /// pseudo-value: with n blocks, n times the average minus (n-1) times the average without this block. The mean of
     /// the pseudo-values equals the average up to terms of second order.
     pub blocks: Vec<Vec<f64>>,
-    /// Number of successive blocks that belong to one run: all blocks, or the blocks of one replica. Blocks of
-    /// different runs are independent.
+    /// Number of successive blocks that belong to one run: all blocks, or the blocks of one replica (run with its own
+    /// seed). Blocks of different runs are independent.
     pub per_run: usize,
     /// [s] start of the first block of each run.
     pub from: f64,
@@ -119,7 +119,8 @@ impl Batches {
         Self { values, blocks: weights.iter().map(blocks).collect(), ..*self }
     }
 
-    /// First component with its standard error; the error is unknown with too few blocks. `None` without a component.
+    /// Average of the first component, with its standard error. The error is unknown with too few blocks. `None`
+    /// without a component.
     pub fn estimate(&self) -> Option<Estimate> {
         let (value, blocks) = (*self.values.first()?, self.blocks.first()?);
         if !self.tells_errors() {
@@ -204,7 +205,7 @@ impl Batches {
         self.count() >= if self.per_run == 1 { FEWEST_RUNS } else { FEWEST_BLOCKS }
     }
 
-    /// [s] length of time over which the averages are taken, summed over all replicas.
+    /// [s] length of time over which the averages are taken, summed over all replicas (runs with different seeds).
     pub fn span(&self) -> f64 {
         self.length * self.count() as f64
     }
@@ -237,8 +238,8 @@ pub enum Correlation {
     Common,
 }
 
-/// Distribution over many components of the correlation between neighbouring blocks of time: its mean and its true
-/// variance.
+/// Distribution of a correlation over many components (averages): its mean and its true variance. The correlation is
+/// that between neighbouring blocks of time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prior {
     /// [-] mean of the correlations over all components.
@@ -319,7 +320,8 @@ impl Contrast {
         Some(Self { difference, covariances, freedoms, unsure })
     }
 
-    /// Covariance matrix of the difference, the sum of those of both sets. It has one row and one column per component.
+    /// Covariance matrix of the difference: the sum of the covariance matrices of both sets. It has one row and one
+    /// column per component.
     pub fn covariance(&self) -> DMatrix<f64> {
         &self.covariances[0] + &self.covariances[1]
     }
@@ -354,9 +356,9 @@ impl Contrast {
     }
 }
 
-/// Measured correlations [-] between neighbouring blocks of all components of two runs, each with its variance due to
-/// chance [-]. They are the input of [`Prior::of`]. Empty if a run has too few blocks for an error, or if each run is
-/// one block.
+/// Measured correlations [-] between neighbouring blocks of time, for all components of two runs. Each has its
+/// variance due to chance [-]. They are the input of [`Prior::of`]. Empty if a run has too few blocks for an error, or
+/// if each run is one block.
 pub fn measured(a: &Batches, b: &Batches) -> Vec<(f64, f64)> {
     let runs = [a, b];
     if !runs.iter().all(|run| run.tells_errors()) {

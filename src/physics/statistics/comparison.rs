@@ -19,10 +19,11 @@ pub struct ErrorLevels {
 }
 
 impl ErrorLevels {
-    /// Levels of one test in a sequence of at most `looks` equally spaced interim tests. `look` is the number of the
-    /// test, counted from 1. Each test gets a share of the total level by the spending function α t², where t is the
-    /// share of the tests done (Lan & DeMets 1983; Kim & DeMets 1987). The probability of any wrong answer in all tests
-    /// is at most that of a single test, for any dependence between the tests.
+    /// Error levels (accepted probabilities of the wrong answers) of one test in a sequence of at most `looks` equally
+    /// spaced interim tests. `look` is the number of the test, counted from 1. Each test gets a share of the total
+    /// level by the spending function α t², where t is the share of the tests done and α the total level (Lan & DeMets
+    /// 1983; Kim & DeMets 1987). The probability of any wrong answer in all tests is at most that of a single test,
+    /// for any dependence between the tests.
     pub fn of_look(look: usize, looks: usize) -> Self {
         let spent = |look: usize| (look as f64 / looks.max(1) as f64).powi(2);
         let share = spent(look) - spent(look.saturating_sub(1));
@@ -83,13 +84,14 @@ pub struct Judged {
     /// [-] interval that contains the differences at all positions, divided by the scale of the observable. If both
     /// ends are smaller than the margin (the largest accepted difference) in magnitude, the observable is equivalent.
     pub interval: [f64; 2],
-    /// True if a one-sided test shows that the difference exceeds the margin, the largest accepted difference. The test
-    /// is done for the difference that a report names first.
+    /// True if a one-sided test shows that the difference exceeds the margin, the largest accepted difference. The
+    /// test is done for the difference that a report names first ([`Tested::headline`]).
     pub beyond: bool,
-    /// [-] smallest smooth difference, divided by the scale of the observable, that would be found in 80 % of cases.
+    /// [-] smallest smooth difference, divided by the scale of the observable, that the tests would find in 80 % of
+    /// cases.
     pub detectable: f64,
-    /// [-] factor by which the run would have to be longer, so that equal systems are shown equivalent in all
-    /// observables in 80 % of cases.
+    /// [-] factor by which the run would have to be longer, so that equal systems would be shown to be equivalent in
+    /// all observables in 80 % of cases.
     pub stretch: f64,
 }
 
@@ -144,7 +146,7 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLev
     Comparison { answer, margin, judged, unknown }
 }
 
-/// Margin of equivalence and error levels for the tests of one of several observables.
+/// Margin of equivalence (largest accepted difference) and error levels, for the tests of one of several observables.
 struct EquivalenceTest {
     margin: f64,
     /// [-] level of the test for a difference, for a single observable.
@@ -179,9 +181,9 @@ impl EquivalenceTest {
 }
 
 /// Decides by Holm's procedure (1979) which of several tests are significant: true for a significant test. `chances`
-/// [-] are the probabilities of the tests. The probability of any false result is `level` [-]. The smallest of m
-/// probabilities must be at most level/m, the next at most level/(m - 1), and so on. The procedure ends at the first
-/// probability that is too large.
+/// [-] are the p-values of the tests (probabilities of such results if there is no difference). The probability of any
+/// false result is `level` [-]. The smallest of m p-values must be at most level/m, the next at most level/(m - 1),
+/// and so on. The procedure ends at the first p-value that is too large.
 pub fn holm(chances: &[f64], level: f64) -> Vec<bool> {
     let mut order: Vec<usize> = (0..chances.len()).collect();
     order.sort_by(|&a, &b| chances[a].total_cmp(&chances[b]));

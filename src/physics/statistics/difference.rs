@@ -20,7 +20,8 @@ use std::borrow::Cow;
 pub const EQUIVALENCE_LEVEL: f64 = 0.05;
 /// [-] accepted probability that runs of the recommended length fail to show that equal systems are equivalent.
 const FAILED: f64 = 0.2;
-/// [-] number of standard deviations below which a normally distributed number lies with a probability of 80 %.
+/// [-] number z for which a normally distributed number lies below its mean plus z standard deviations with a
+/// probability of 80 %.
 const POWER: f64 = 0.8416;
 /// [-] largest scatter, divided by the scale of the observable, that is attributed to rounding. A difference up to ten
 /// times as large then counts as zero.
@@ -38,7 +39,7 @@ pub struct Observable {
     pub unit: &'static str,
     /// Positions: centres of the slices [m] for a profile, times [s] for a curve; empty for a single number.
     pub places: Vec<f64>,
-    /// Symmetry of a profile under a mirror at the mid-plane of the channel; `Neither` for a curve over time.
+    /// Symmetry of a profile under a reflection at the mid-plane of the channel; `Neither` for a curve over time.
     pub parity: Parity,
     /// True if the mean over the positions is fixed by definition, as for a density divided by its mean.
     pub fixed_mean: bool,
@@ -182,9 +183,9 @@ impl Tested {
         self.places.iter().filter(|one| one.error > 0.0).count()
     }
 
-    /// Smallest margin with which equal systems are shown equivalent in 80 % of cases, in the unit of the observable.
-    /// It is that of the position with the largest error. `places` is the number of positions of all observables that
-    /// must be shown equivalent. `level` [-] is the level of each one-sided test.
+    /// Smallest margin with which equal systems are shown to be equivalent in 80 % of cases, in the unit of the
+    /// observable. The position with the largest error determines this margin. `places` is the number of positions of
+    /// all observables that must be shown to be equivalent. `level` [-] is the level of each one-sided test.
     pub fn width_needed(&self, level: f64, places: usize) -> f64 {
         let surely =
             Normal::new(0.0, 1.0).map_or(0.0, |law| law.inverse_cdf(1.0 - 0.5 * FAILED / places.max(1) as f64));

@@ -1,9 +1,10 @@
 //! Standard errors of averages of correlated samples.
 //!
-//! If a run is short in units of its relaxation time, the error by plain blocking reaches no plateau and is too small
-//! (by half, for a run of 10 relaxation times). The functions in this file measure the correlation between neighbouring
-//! blocks, correct it for its known bias in short series, and enlarge the error accordingly. The error by plain
-//! blocking remains a lower limit.
+//! Samples are merged into blocks of time, and the scatter of the block means gives the error (blocking). In a run
+//! that is short in units of its relaxation time, the block means are still correlated. The error by plain blocking is
+//! then too small (by half, for a run of 10 relaxation times). The functions in this file measure the correlation
+//! between neighbouring blocks, correct it for its known bias in short series, and enlarge the error accordingly. The
+//! error by plain blocking remains a lower limit.
 
 use serde::{Deserialize, Serialize};
 
@@ -72,8 +73,8 @@ impl Estimate {
         Self { value: self.value - other.value, error }
     }
 
-    /// True if the value is at most two standard errors from 0, so that it is no scale for differences. False if the
-    /// error is unknown.
+    /// True if the value is at most two standard errors from 0, so that differences should not be divided by it. False
+    /// if the error is unknown.
     pub fn is_zero_within_error(self) -> bool {
         self.error.is_some_and(|error| self.value.abs() <= 2.0 * error)
     }

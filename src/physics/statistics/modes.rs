@@ -1,12 +1,12 @@
 //! Smooth shapes (polynomials) for profiles across a channel, and averages over positions that are mirror images about
 //! the mid-plane.
 
-/// Symmetry of a profile under a mirror at the mid-plane of the channel.
+/// Symmetry of a profile under a reflection at the mid-plane of the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
-    /// The mirror does not change the profile: density, streamwise velocity, normal stresses.
+    /// The reflection does not change the profile: density, streamwise velocity, normal stresses.
     Even,
-    /// The mirror reverses the sign of the profile: shear stress, wall-normal velocity.
+    /// The reflection reverses the sign of the profile: shear stress, wall-normal velocity.
     Odd,
     /// The profile has no symmetry, because the mid-plane is no mirror plane of the scene.
     Neither,

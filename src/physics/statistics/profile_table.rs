@@ -36,8 +36,8 @@ pub struct ProfileTable {
     pub from: f64,
     /// [s] time of the last sample in the averages.
     pub until: f64,
-    /// Blocks of time of each average, by index of the slice, then of the column. `None` if the average or its error is
-    /// unknown.
+    /// Values of each average in blocks of time, by index of the slice, then of the column. `None` if the average or
+    /// its error is unknown.
     #[serde(skip)]
     pub batches: Vec<Vec<Option<Batches>>>,
 }

@@ -26,7 +26,7 @@ const TRIPLES: [[usize; 3]; 10] =
 /// length of the run.
 const MOST_BLOCKS: usize = 512;
 
-/// Sums over the particles of all slices and over several successive samples.
+/// Sums over the particles of each slice and over several successive samples (instants of measurement).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct SampleBlock {
     /// [s] time of the first sample in the block.
@@ -49,8 +49,8 @@ impl SampleBlock {
     }
 }
 
-/// Sums of all slices, and `samples`, the number of particles summed over all slices and samples. The density of a
-/// slice is computed from its share of this number.
+/// Sums of all slices. `samples` is the number of particles, summed over all slices and samples (instants of
+/// measurement). The density of a slice is computed from its share of this number.
 struct Counted {
     sums: Vec<f64>,
     samples: f64,

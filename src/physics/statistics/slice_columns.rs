@@ -18,7 +18,7 @@ pub struct SliceColumn {
     pub symbol: &'static str,
     /// SI unit of the quantity; empty for a ratio.
     pub unit: &'static str,
-    /// Symmetry of the quantity under a mirror at the mid-plane, in a scene that has this symmetry.
+    /// Symmetry of the quantity under a reflection at the mid-plane, in a scene that has this symmetry.
     pub parity: Parity,
     /// Index of the quantity in [`SLICE_COLUMNS`].
     pub index: usize,

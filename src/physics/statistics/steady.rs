@@ -10,9 +10,9 @@ const BATCH: usize = 5;
 /// errors have about ten degrees of freedom. The number was found from 400 steady channels and gases:
 /// docs/theory/statistics.md, "Steady or not".
 pub const LARGEST_DRIFT: f64 = 4.0;
-/// [-] drift, in standard errors, beyond which a start of averaging at half of the run is rejected. Half of the run is
-/// the latest start that is searched. Chance seldom gives such a start, and even more seldom together with such a
-/// drift.
+/// [-] drift, in standard errors, that confirms an initial relaxation of more than half of the run. The search for the
+/// start of averaging ends at half of the run. Chance seldom gives this latest start, and even more seldom together
+/// with such a drift.
 const SUSPECT: f64 = 2.0;
 /// [-] smallest relative decrease of the variance of the mean for which samples at the start are dropped. Noise gives a
 /// decrease of a few per cent.
@@ -23,9 +23,9 @@ const WORTH: f64 = 0.1;
 pub struct Steadiness {
     /// [s] simulated time at which the steady part of the run begins; 0 without a sample.
     pub from: f64,
-    /// True if no series drifts by more than 4 standard errors during the averaging period. In addition, the start of
-    /// averaging must not be at its limit, half of the run, because of a longer relaxation. With too few samples for a
-    /// test, the result is false and `drift` is `None`.
+    /// True if no series drifts by more than 4 standard errors during the averaging period, and if no initial
+    /// relaxation of more than half of the run was found. With too few samples for a test, the result is false and
+    /// `drift` is `None`.
     pub steady: bool,
     /// [-] largest drift of all series: difference between the means of the second and the first half of the averaging
     /// period, in standard errors. `None` if unknown, infinite for a drift without any noise.
@@ -40,8 +40,8 @@ pub struct SteadySeries<'a> {
     /// Scale of the changes, in the unit of the observable. Regular changes below a thousandth of this scale do not
     /// count as drift. If the scale is 0, every change counts.
     pub scale: f64,
-    /// Largest difference between the means of the two halves that does not count as drift, in the unit of the
-    /// observable. If it is 0, every difference counts.
+    /// Largest difference between the means of the two halves of the averaging period that does not count as drift, in
+    /// the unit of the observable. If it is 0, every difference counts.
     pub step: f64,
 }
 
