@@ -71,7 +71,7 @@ pub enum Spheres {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Reference {
-    /// Another variant, by its name.
+    /// Another variant (experiment of the same case), by its name.
     Variant(String),
     /// A table of values, such as measurements.
     Table(ReferenceTable),
@@ -81,7 +81,7 @@ pub enum Reference {
 /// compared.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReferenceTable {
-    /// Name of the table, as sentences of reports use it.
+    /// Name of the table, as used in sentences of reports.
     pub name: String,
     /// Values of the table, in the order of its rows.
     pub points: Vec<ReferencePoint>,
@@ -309,7 +309,8 @@ pub enum SoftStepping {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Integrator {
-    /// Velocity Verlet, kick-drift-kick; the dashpot force depends on the velocity at half a step.
+    /// Velocity Verlet: velocities change during half a step, then positions during a step, then velocities during
+    /// half a step. The dashpot force depends on the velocity at half a step.
     VelocityVerlet,
     /// Heun's second-order Runge-Kutta method. The paper of `docs/paper.md` uses a scheme of this order for the gas,
     /// and names none for contacts.

@@ -466,7 +466,7 @@ impl Simulation {
         answer
     }
 
-    /// Checks that all particles are in the domain and the energy is within its limit; balances the processes' load.
+    /// Checks that all particles are in the domain and the energy in its limit, and balances the load of processes.
     fn check(&mut self) -> Result<(), Failure> {
         // the other processes check their particles at the same time
         self.order(&Order::Check);

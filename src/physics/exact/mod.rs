@@ -22,7 +22,7 @@ const DIGITS: usize = 67;
 /// Number of 64-bit words after the digits of an exact sum. These words count the terms that are infinite, minus
 /// infinite, and not a number.
 const SPECIAL: usize = 3;
-/// Number of 64-bit words in which an exact sum is stored: its digits and three counts of special terms.
+/// Number of 64-bit words in which an exact sum is stored: its digits and three counts of terms that are not finite.
 const WORDS: usize = DIGITS + SPECIAL;
 /// [-] exponent of two that belongs to the lowest bit of an exact sum. 2^-1075 is half of the smallest `f64` above 0.
 const LOWEST: i32 = -1075;
@@ -46,8 +46,8 @@ const MOST: u32 = 1024;
 /// ```
 #[derive(Clone, Debug)]
 pub struct ExactSum {
-    /// 32-bit digits of the sum, followed by three counts of special terms. The sum is Σ `words[k]` 2^(32 k - 1075)
-    /// over the digits.
+    /// 32-bit digits of the sum, followed by three counts of terms that are not finite. The sum is Σ `words[k]` 2^(32
+    /// k - 1075) over the digits.
     words: [i64; WORDS],
     /// Bit k is set if `words[k]` may differ from 0.
     used: u128,
@@ -118,8 +118,8 @@ impl ExactSum {
         other
     }
 
-    /// Carries between digits, so that every digit except the last lies in [-2^31, 2^31). Equal sums then have equal
-    /// digits.
+    /// Passes carries from digit to digit, so that every digit except the last lies in [-2^31, 2^31). Equal sums then
+    /// have equal digits.
     fn carry(&mut self) {
         let mut carried = 0;
         let first = self.used.trailing_zeros() as usize;

@@ -35,7 +35,7 @@ impl Experiment {
         self.expected_counts().into_iter().map(|count| count.ceil() as usize).collect()
     }
 
-    /// Expected largest number of particles from an inlet in the scene at once.
+    /// Expected largest number of particles that came from an inlet and are in the scene at the same time.
     fn expected_from(&self, inlet: &Inlet) -> f64 {
         let due = inlet.due(self.run.duration) as f64;
         if self.scene.outlets.is_empty() {

@@ -59,7 +59,7 @@ impl ObserveSettings {
         *self == Self::default()
     }
 
-    /// Names of the measurements that the case asks for, as in the case.
+    /// Names, as in the case, of the measurements that the case asks for.
     pub fn names(&self) -> Vec<&'static str> {
         let asked = [
             self.pair_distribution.is_some(),
@@ -77,16 +77,16 @@ impl ObserveSettings {
     }
 }
 
-/// Settings of the pair distribution.
+/// Settings of the measurement of the pair distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PairDistributionSettings {
     /// [m] largest distance between two centres that is counted, at most half the shortest edge of the box.
     pub reach: f64,
-    /// Number of bins of the distance, between 0 and `reach`.
+    /// Number of bins of equal width between the distances 0 and `reach`.
     pub bins: usize,
 }
 
-/// Settings of the distribution of the velocities.
+/// Settings of the measurement of the distribution of the velocities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct VelocityDistributionSettings {
     /// [-] largest speed of the histogram in units of sqrt(2T), with the granular temperature T.
@@ -102,12 +102,12 @@ pub struct DiffusionSettings {
     pub duration: f64,
 }
 
-/// Settings of the structure factor.
+/// Settings of the measurement of the static structure factor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StructureFactorSettings {
     /// [m] shortest wavelength 2π/k, which sets the largest wave number k.
     pub wavelength: f64,
-    /// Number of bins of the wave number k, between 0 and the largest wave number.
+    /// Number of bins of equal width between the wave number 0 and the largest wave number.
     pub bins: usize,
 }
 

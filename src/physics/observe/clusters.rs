@@ -25,7 +25,7 @@ const SIZES: usize = 50;
 struct ClusterSample {
     /// [s] simulated time of the sample.
     time: f64,
-    /// Number of particles.
+    /// Number of all particles at this instant.
     particles: u64,
     /// Number of clusters, those of one particle included.
     clusters: u64,

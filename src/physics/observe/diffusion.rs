@@ -23,8 +23,8 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Largest number of times t at which the curves M(t) and C(t) have values. If the longest time contains more samples,
-/// only every n-th sample is used.
+/// Largest number of times t at which the curves of the mean squared displacement M(t) and the autocorrelation C(t) of
+/// the velocities have values. If the longest time contains more samples, only every n-th sample is used.
 const MOST_TIMES: u64 = 1000;
 
 /// Means over the particles of a species at one time t after an origin.
@@ -48,7 +48,8 @@ struct TrackedParticles {
     displacement: Vec<Vector3<f64>>,
 }
 
-/// Means over the particles in one block of time, at each sample from the origin of the block to the longest time.
+/// Means over the particles in one block of time, at each sample (instant of measurement) from the start of the block
+/// to its end.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct MotionBlock {
     /// [s] simulated time at which the block begins (its origin).

@@ -28,8 +28,8 @@ const BUDGET: usize = 90_000;
 /// velocity fluctuations alone. It is short enough to show collisions.
 const FLIGHT: f64 = 1.0;
 
-/// [-] largest mean distance that a particle may fly between two frames, over `FLIGHT`, if the frames cover the whole
-/// run. If the distance would be larger, the frames end before the run.
+/// [-] mean distance that a particle may at most fly between two frames, over the distance of `FLIGHT`, if the frames
+/// cover the whole run. If it would fly further, the frames end before the run.
 const WHOLE: f64 = 5.0;
 
 /// State of the recorded particles at one instant.

@@ -65,7 +65,7 @@ pub struct FreeSurface {
     half: f64,
     /// Vertical axis (0: x, 1: y, 2: z), and the sign of the upward direction along it (+1 or -1).
     up: (usize, f64),
-    /// Horizontal axes.
+    /// The two horizontal axes (0: x, 1: y, 2: z).
     level: [usize; 2],
     /// Numbers of columns along the horizontal axes.
     columns: [usize; 2],
@@ -124,7 +124,8 @@ impl FreeSurface {
         Some(heights)
     }
 
-    /// Smooths the heights by a Gaussian along both axes. Periodic sides are joined, and other sides are mirrors.
+    /// Smooths the heights by a Gaussian along both axes. Across periodic sides the heights continue at the opposite
+    /// side; beyond other sides they are mirrored.
     fn smooth(&self, mut heights: Vec<f64>) -> Vec<f64> {
         let [across, along] = self.columns;
         for (axis, (step, lines)) in [(1, along), (across, across)].into_iter().enumerate() {
@@ -215,13 +216,13 @@ fn shells(edges: [f64; 2], columns: [usize; 2]) -> usize {
     (0.5 * edges[0].max(edges[1]) / spacing * (1.0 + 1e-9)).floor() as usize
 }
 
-/// Hann window of `count` weights, which is zero at both ends.
+/// Weights of a Hann window at `count` points; the weights at both ends are zero.
 fn hann_window(count: usize) -> Vec<f64> {
     let ends = (count as f64 - 1.0).max(1.0);
     (0..count).map(|k| 0.5 - 0.5 * (TAU * k as f64 / ends).cos()).collect()
 }
 
-/// Sum Σ h_k exp(-2π i n k/N) over the N entries of a row.
+/// Discrete Fourier transform of a row at the index n: the sum Σ h_k exp(-2π i n k/N) over the N entries h_k.
 fn transform<T: Copy + Into<Complex<f64>>>(n: i64, row: &[T]) -> Complex<f64> {
     let count = row.len() as i64;
     let phase = |k: i64| -2.0 * PI * ((n * k).rem_euclid(count)) as f64 / count as f64;

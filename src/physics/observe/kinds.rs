@@ -137,8 +137,8 @@ fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> O
     Batches::pool(&all?, by_runs)
 }
 
-/// Mean of pairs of a value and its weight; `near` without weights. The result is `near` without rounding if all values
-/// are equal to `near`.
+/// Weighted mean of `values`, each with its weight; `near` if there are no weights. The result is exactly `near` if
+/// all values are equal to `near`.
 fn weighted_mean(near: f64, values: impl Iterator<Item = (f64, f64)>) -> f64 {
     let add = |(sum, all): (f64, f64), (value, weight): (f64, f64)| (sum + weight * (value - near), all + weight);
     let (sum, all) = values.fold((0.0, 0.0), add);
@@ -317,8 +317,8 @@ fn names(scene: &Scene, between: Between) -> [String; 2] {
     [scene.species[usize::from(between.species)].name.clone(), other]
 }
 
-/// True if the impacts of the pair `between` are impacts of the species `species` with particles. Impacts with walls do
-/// not count.
+/// True if impacts of the pair `between` are impacts of the species `species` with another particle. False for impacts
+/// with walls.
 fn takes_part(species: u16, between: Between) -> bool {
     match between.other {
         Kind::Species(other) => species == between.species || species == other,

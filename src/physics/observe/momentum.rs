@@ -16,7 +16,7 @@ pub struct Balance {
     pub drag: Option<Estimate>,
     /// [N] mean weight minus buoyancy of all particles, along z; negative if it points along -z.
     pub weight: f64,
-    /// [N] mean shear force of the walls on all particles along z.
+    /// [N] mean force of the walls on all particles along z, in a channel the shear force.
     pub wall: Option<Estimate>,
     /// [N] mean momentum per time along z that particles bring in through inlets, less that which particles take out
     /// through outlets; 0 without inlets and outlets.

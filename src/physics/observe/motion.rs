@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 /// Means over all particles at every sample (instant of measurement). The test for a steady state uses these means.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Motion {
-    /// Number of slices along y; the temperature is relative to the mean velocities of these slices.
+    /// Number of slices along y. Velocities in the granular temperature are relative to the mean velocity of their
+    /// slice.
     slices: usize,
     /// [s] simulated times of the samples.
     times: Vec<f64>,
@@ -32,7 +33,7 @@ pub struct Motion {
     /// Stress that opposes the shear of a sheared box, at every sample: its kinetic part [Pa], and the time integral of
     /// its contact part since the start [Pa s]. The list is empty without shear.
     stress: Vec<[f64; 2]>,
-    /// True for each axis that is not periodic. Mean positions are only computed along such axes.
+    /// True for each axis that is not periodic. Mean positions are tested only along such axes.
     bounded: [bool; 3],
     /// [m] edge lengths of the domain along x, y and z.
     size: Vector3<f64>,
@@ -43,14 +44,14 @@ pub struct Motion {
     diameter: f64,
 }
 
-/// Quantity at every sample that is tested for a steady state, in SI units.
+/// Quantity that is tested for a steady state, with its values in SI units at every sample (instant of measurement).
 pub struct Followed {
     /// Value at every sample.
     pub values: Vec<f64>,
     /// Scale of the quantity, in its unit. Regular changes below a thousandth of the scale do not count as a drift.
     pub scale: f64,
-    /// Largest difference between the means of the two halves of a run that does not count as a drift, in the unit of
-    /// the quantity (see [`SteadySeries`]).
+    /// Largest difference between the means of the two halves of the averaging period that does not count as a drift,
+    /// in the unit of the quantity (see [`SteadySeries`]).
     pub step: f64,
 }
 

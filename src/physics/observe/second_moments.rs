@@ -35,7 +35,7 @@ const PARTS: u64 = 200;
 /// Number of blocks of time from which the standard errors of the budgets are computed.
 const BLOCKS: usize = 20;
 
-/// Rates of change of one second moment of the velocities [m²/s³], by each process.
+/// Rates of change [m²/s³] of one second moment of the velocities by each physical process.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Terms<T> {
     /// [m²/s³] production of the moment by the gradient of the mean velocity along y.

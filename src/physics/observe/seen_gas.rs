@@ -23,8 +23,9 @@ const SUMS: usize = 8;
 struct SeenGasSample {
     /// [s] simulated time of the sample.
     time: f64,
-    /// For each slice: number of particles, Σ u along z and y [m/s]; Σ u² along z, y and x, Σ 2k/3 and Σ **u**·(**v** -
-    /// **U**)/3 [m²/s²], with the velocity **v** of a particle and the mean velocity **U** of the gas.
+    /// For each slice, sums over its particles: the number 1; u along z and y [m/s]; u² along z, y and x, 2k/3 and
+    /// **u**·(**v** - **U**)/3 [m²/s²]. **u** is the fluctuation of the gas velocity at a particle, k the turbulent
+    /// kinetic energy, **v** the velocity of the particle, and **U** the mean velocity of the gas.
     slices: Vec<[f64; SUMS]>,
 }
 

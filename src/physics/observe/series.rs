@@ -80,8 +80,8 @@ pub struct Row {
 pub struct ShearStress {
     /// [J] work of the shear on the particles since the start.
     pub work: f64,
-    /// [Pa] kinetic part of the stress: Σ m c_y c_z divided by the volume of the box, with velocities c relative to the
-    /// mean flow.
+    /// [Pa] kinetic part of the stress: Σ m c_y c_z divided by the volume of the box, with the masses m of the
+    /// particles and their velocities c relative to the mean flow.
     pub kinetic: f64,
     /// [Pa] contact part of the stress, averaged over the time since the previous row; `None` in the first row.
     pub contact: Option<f64>,
@@ -293,7 +293,7 @@ impl Row {
     }
 }
 
-/// Sums over all particles, weighted by mass.
+/// Mass, momentum and kinetic energy of all particles, and the sum of their masses times positions.
 struct MassSums {
     /// [kg] mass of all particles.
     mass: f64,
@@ -339,7 +339,8 @@ pub(super) fn interval(schedule: &Schedule, least: u64, most: u64) -> f64 {
 /// compared). The series has at most a thousand rows (instants), and one more row at the end of the run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Series {
-    /// Number of slices along y; the temperature is relative to the mean velocities of these slices.
+    /// Number of slices along y. Velocities in the granular temperature are relative to the mean velocity of their
+    /// slice.
     slices: usize,
     /// [s] time between two rows of the series.
     interval: f64,

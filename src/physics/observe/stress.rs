@@ -22,8 +22,8 @@ const MOST_SAMPLES: u64 = 400;
 /// positive. An average is `None` if there are too few samples.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stress {
-    /// [Pa] kinetic part: Σ m c c divided by the volume of the box. c is the velocity relative to the mean velocity of
-    /// the slice at the same instant.
+    /// [Pa] kinetic part: Σ m c c over all particles, divided by the volume of the box. m is the mass of a particle,
+    /// and c its velocity relative to the mean velocity of its slice at the same instant.
     pub kinetic: [Option<Estimate>; 6],
     /// [Pa] contact part: time average of Σ r f divided by the volume of the box. r is the vector between the centres
     /// of two particles in contact, and f is the force between them. For hard spheres, the time integral of f is the
@@ -45,8 +45,8 @@ pub struct Stress {
 /// Sums over all particles from which the stress at one instant is computed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct StressSample {
-    /// [J] kinetic sum Σ m c c over all particles, with the velocity c relative to the mean velocity of the slice. The
-    /// order of the components is xx, yy, zz, xy, xz, yz.
+    /// [J] kinetic sum Σ m c c over all particles, with the mass m and the velocity c relative to the mean velocity of
+    /// the slice. The order of the components is xx, yy, zz, xy, xz, yz.
     kinetic: [f64; 6],
     /// [J s] time integral of the contact sum Σ r f since the start, with the vector r between two centres and the
     /// force f. The order of the components is xx, yy, zz, xy, xz, yz.
@@ -57,7 +57,7 @@ struct StressSample {
     filled: Vec<f64>,
 }
 
-/// Measurement of the stress and the volume fraction at every sample.
+/// Measurement of the stress and the volume fraction at samples (instants of measurement).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Stresses {
     /// Number n: every n-th sample of the run is used.
@@ -155,9 +155,9 @@ fn six(m: &Matrix3<f64>) -> [f64; 6] {
     [mean(0, 0), mean(1, 1), mean(2, 2), mean(0, 1), mean(0, 2), mean(1, 2)]
 }
 
-/// Kinetic sums Σ m c c [J] in the order xx, yy, zz, xy, xz, yz, and the volume of the particles [m³] in each slice.
-/// Velocities c are relative to the mean velocity of the slice. The results depend neither on the number of threads nor
-/// on the order of the particles.
+/// Kinetic sums Σ m c c [J] in the order xx, yy, zz, xy, xz, yz, and the volume of the particles [m³] in each slice. m
+/// is the mass of a particle, and c its velocity relative to the mean velocity of its slice. The results depend
+/// neither on the number of threads nor on the order of the particles.
 fn sums(all: Sample, domain: &Domain, slices: usize) -> ([f64; 6], Vec<f64>) {
     let particles = all.particles;
     let thickness = domain.size.y / slices as f64;

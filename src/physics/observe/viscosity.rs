@@ -9,9 +9,10 @@
 //! * **Sheared box.** η is the negative shear stress σ_yz over the shear rate. The stress is the time average of its
 //!   kinetic and its contact part together.
 //!
-//! Velocities c are relative to the mean velocity, in a sheared box to the mean flow. The thermal energy k_B T is the
-//! kinetic energy per degree of freedom, times two. Impulses are summed exactly; the kinetic part is integrated by the
-//! trapezoidal rule over the samples, the instants of measurement.
+//! m and c are the mass and the velocity of a particle. Velocities are relative to the mean velocity, in a sheared box
+//! to the mean flow. The thermal energy k_B T is the kinetic energy per degree of freedom, times two. Impulses are
+//! summed exactly; the kinetic part is integrated by the trapezoidal rule over the samples, the instants of
+//! measurement.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::{Needs, Observer, plain_data};
@@ -23,7 +24,8 @@ use crate::statistics::{Estimate, estimate};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of times t at which the viscosity of a gas in equilibrium is given.
+/// Largest number of times t (over which stresses are correlated) at which the viscosity of a gas in equilibrium is
+/// given.
 const MOST_TIMES: usize = 100;
 
 /// [-] largest relative error of the trapezoidal rule that counts as small. The rule overestimates the integral of the
@@ -35,7 +37,8 @@ const COARSEST: f64 = 0.01;
 struct ViscositySample {
     /// [s] simulated time of the sample.
     time: f64,
-    /// [J] kinetic sum Σ m c c over all particles.
+    /// [J] kinetic sum Σ m c c over all particles, with the mass m and the velocity c relative to the mean velocity or
+    /// mean flow.
     kinetic: Matrix3<f64>,
     /// [J s] time integral of the contact sum Σ r f since the start, with the vector r between two centres and the
     /// force f.
@@ -47,7 +50,8 @@ struct ViscositySample {
 pub struct Viscosity {
     /// [s] time between two samples.
     interval: f64,
-    /// Number of intervals between samples in the longest time t. `None` in a sheared box.
+    /// Longest time t over which stresses are correlated, as a number of intervals between samples (instants of
+    /// measurement). `None` in a sheared box.
     longest: Option<usize>,
     samples: Vec<ViscositySample>,
 }

@@ -59,8 +59,8 @@ pub struct Ledger {
     /// [J] energy lost to friction in impacts between particles, >= 0.
     pub pair_friction_loss: f64,
     /// [J] energy lost to restitution (dashpot) in impacts on walls, >= 0 except in the TC model of hard spheres
-    /// (contact time t_c). In that model, a sphere that begins to rest on a wall under the acceleration a_n gains m
-    /// a_n² t_c²/32 from the wall, which is subtracted here.
+    /// (contact time t_c). In that model, a sphere of mass m that begins to rest on a wall under the acceleration a_n
+    /// gains m a_n² t_c²/32 from the wall, which is subtracted here.
     pub wall_restitution_loss: f64,
     /// [J] energy lost to friction in impacts on walls, >= 0.
     pub wall_friction_loss: f64,

@@ -10,7 +10,7 @@ use crate::experiment::{Experiment, HardStepping, Spheres, TimeStep};
 use crate::predict::contact::ContactTimes;
 use std::ops::{Deref, DerefMut};
 
-/// Engine of a simulation, by the number of processes that can run it.
+/// Engine of a simulation: one that runs in a single process, or one whose run several processes can share.
 pub enum SimulationEngine {
     /// An engine that runs in one process. If processes share the simulation, this engine runs in the lead process
     /// alone.

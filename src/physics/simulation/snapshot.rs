@@ -30,7 +30,7 @@ pub struct Snapshot {
     pub windows: u64,
     /// Wall-clock times spent so far in the engine, in changes of velocity between windows, and in observers.
     pub spent: SimulationTimes,
-    /// Sums over all particles of all processes.
+    /// Number, mean radius, mass and momentum of the particles of all processes.
     totals: SimulationTotals,
     /// True if the change of velocity by drag after the latest window has been applied completely, so that velocities
     /// and positions belong to one time. False if velocities still lack the change by drag in half a window.

@@ -10,7 +10,8 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 
 impl Simulation {
-    /// Heats the particles for `duration` [s]; `number` is the number of the kick, which determines its random numbers.
+    /// Heats the particles for `duration` [s]. `number` is the number of this change of velocities, which determines
+    /// its random numbers.
     pub(super) fn heat(&mut self, duration: f64, number: u64) {
         let Some(thermostat) = self.scene.thermostat else { return };
         let began = self.clock.now();

@@ -4,7 +4,7 @@ use crate::particles::Sample;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Sums over all particles of a simulation.
+/// Number, mean radius, mass and momentum of all particles of a simulation.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct SimulationTotals {
     /// Number of particles in all processes.

@@ -57,9 +57,9 @@ pub(super) fn draw_first_eddies(particles: &mut Particles, (fluid, turbulence): 
     });
 }
 
-/// Mirrors the fluctuations of the gas velocity that particles see, for particles that a wall has reflected within the
-/// past `window` [s]. The component along the normal of the wall changes its sign. A particle counts as reflected if it
-/// has a gap to the wall, but its free flight back in time leads into the wall.
+/// Mirrors the fluctuations of the gas velocity at particles that a wall has reflected within the past `window` [s].
+/// The component along the normal of the wall changes its sign. A particle counts as reflected if it has a gap to the
+/// wall, but its free flight back in time leads into the wall.
 pub(super) fn mirror_at_walls(particles: &mut Particles, scene: &Scene, window: f64) {
     let Some(mut eddies) = particles.eddies.take() else { return };
     let all = &*particles;
@@ -95,7 +95,7 @@ pub(super) struct TurbulentKick<'a> {
     pub kick: &'a Kick,
     /// Local volume fractions of the particles; `None` if the drag law does not depend on them.
     pub fractions: Option<&'a LocalFractions>,
-    /// Seed of the run and number of the kick.
+    /// Seed of the run, and number of the kick. They determine the random numbers of the kick.
     pub seed_and_number: (u64, u64),
 }
 
@@ -165,8 +165,8 @@ impl TurbulentKick<'_> {
         slip * ratio(slip)
     }
 
-    /// [-] change, in this kick, of the slip velocity of the particle at `index`, divided by the slip velocity before
-    /// it. `square` [m²/s²] is the square of the magnitude of the slip velocity.
+    /// [-] change of the slip velocity of the particle at `index` in this kick, divided by the slip velocity before
+    /// the kick; at least -1 but for rounding. `square` [m²/s²] is the square of the magnitude of the slip velocity.
     #[inline]
     fn ratio(&self, all: &Particles, index: usize, square: f64) -> f64 {
         let (species, radius) = (all.species[index], all.radius[index]);

@@ -33,7 +33,7 @@ impl ErrorLevels {
 }
 
 impl Default for ErrorLevels {
-    /// Levels of a single test: 1 % for "different" and 5 % for "equivalent".
+    /// Error levels of a single test: 1 % for the answer "different" and 5 % for "equivalent".
     fn default() -> Self {
         Self { difference: LEVEL, equivalence: EQUIVALENCE_LEVEL }
     }
@@ -153,7 +153,7 @@ struct EquivalenceTest {
     level: f64,
     /// [-] level of each one-sided test for equivalence.
     equivalence: f64,
-    /// Number of positions that must be shown equivalent, summed over all observables.
+    /// Number of positions that must be shown to be equivalent, summed over all observables.
     places: usize,
 }
 

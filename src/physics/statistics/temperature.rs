@@ -4,7 +4,7 @@ use crate::particles::Sample;
 use nalgebra::Vector3;
 
 /// Number of particles in one slice, and sums of their velocities and squared velocities. Velocities are relative to a
-/// common reference, so that no small differences of large squares occur.
+/// common reference, so that variances are not small differences of large numbers.
 #[derive(Clone, Copy, Debug, Default)]
 struct VelocitySums {
     count: f64,
