@@ -167,7 +167,7 @@ impl KindAverages {
             }
         });
         let mut meetings: Vec<MeetingAverages> = Vec::new();
-        // a pair of kinds with impacts in only some of the runs counts as zero impacts in the other runs
+        // in a run without impacts of a pair of kinds, the number of these impacts counts as zero
         let known = |one: &MeetingAverages, other: &MeetingAverages| one.between == other.between;
         let every = first.meetings.iter().chain(others.iter().flat_map(|run| &run.meetings));
         for met in every {

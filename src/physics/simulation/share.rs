@@ -48,7 +48,8 @@ pub enum Order {
     Keep,
     /// Restore the velocities and the state of the gas that the order `Keep` has stored.
     TakeBack,
-    /// Send particles to the lead: every n-th particle by id, where n is the given number.
+    /// Send particles to the lead process: every n-th particle by id, where n is the given number, and the particles
+    /// in contact with one of them.
     Gather(u32),
     /// Check that the particles of the process are inside the domain, send its records to the lead, take part in the
     /// sum of the energies, and balance the numbers of particles.
@@ -325,7 +326,7 @@ impl Simulation {
         self.share.as_ref().filter(|_| self.engine.is_cut()).map(|share| &*share.communicator)
     }
 
-    /// Sends an order to the other processes, if this process is the lead.
+    /// Sends an order to the other processes, if this process is the lead (number 0).
     pub(super) fn order(&self, order: &Order) {
         if let Some(share) = self.share.as_ref().filter(|share| share.communicator.is_lead()) {
             share.tell(order);

@@ -308,8 +308,8 @@ impl Contrast {
             let guesses: Vec<(f64, f64)> = guesses(&correlations[place], correlation);
             covariances[place] = covariance(run, &deviations[place], &guesses);
             let square = guesses.iter().map(|guess| guess.0 * guess.0).fold(0.0, f64::max);
-            // degrees of freedom of independent blocks with a variance as uncertain as that of this exponentially
-            // correlated series
+            // degrees of freedom for which the variance of independent blocks would be as uncertain as that of this
+            // exponentially correlated series
             freedoms[place] = (count - 1.0) * (1.0 - square) / (1.0 + square);
             // the inflation (1 + ρ)/(1 - ρ) of a variance by the correlation ρ has the relative variance 4 var(ρ)/(1 -
             // ρ²)²

@@ -16,8 +16,8 @@ pub enum Parity {
 /// one test.
 const SHAPES: usize = 3;
 
-/// Indices of the slices that remain if mirrored ones of `count` slices are averaged (folding about the mid-plane).
-/// Each remaining slice has a row with the weights of all slices.
+/// Indices of the slices that remain if each of `count` slices is averaged with its mirror image about the mid-plane
+/// (folding). Each remaining slice has a row with the weights of all slices.
 pub fn fold(count: usize, parity: Parity) -> (Vec<usize>, Vec<Vec<f64>>) {
     let unit = |place: usize| {
         let mut row = vec![0.0; count];

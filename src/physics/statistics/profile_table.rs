@@ -49,9 +49,9 @@ impl ProfileTable {
         self.batches.get(slice)?.get(column.index)?.as_ref()
     }
 
-    /// Averages over several replicas (runs with different seeds). A value that is missing in one run is unknown. The
-    /// standard errors come from the blocks of all runs or, if `by_runs` is true, from the scatter between the runs
-    /// (see [`Batches::pool`]).
+    /// Averages over several replicas (runs with different seeds). A value is unknown if it, or its error, is unknown
+    /// in one of the runs. The standard errors come from the blocks of all runs or, if `by_runs` is true, from the
+    /// scatter between the runs (see [`Batches::pool`]).
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some(first) = runs.first() else { return Self::default() };
         let batches = |slice: usize| -> Vec<Option<Batches>> {
