@@ -2,10 +2,11 @@
 
 use std::f64::consts::PI;
 
-/// [-] contact value of spheres with the diameters a and b [m] in a mixture with the volume fraction φ and
-/// `second_moment` ξ_2 = π/6 Σ n_i d_i² [1/m]. The sum is over the components, with their number densities n_i and
-/// diameters d_i (Boublík 1970, J. Chem. Phys. 53, 471; Mansoori, Carnahan, Starling and Leland 1971, J. Chem. Phys.
-/// 54, 1523). For equal spheres it is Carnahan and Starling's (1 - φ/2)/(1 - φ)³.
+/// [-] contact value of spheres with the diameters a and b [m]: their collision rate over that of a dilute gas (Enskog
+/// factor). The mixture has the volume fraction φ and the `second_moment` ξ_2 = π/6 Σ n_i d_i² [1/m]. The sum is over
+/// the components, with their number densities n_i and diameters d_i (Boublík 1970, J. Chem. Phys. 53, 471; Mansoori,
+/// Carnahan, Starling and Leland 1971, J. Chem. Phys. 54, 1523). For equal spheres the value is that of Carnahan and
+/// Starling, (1 - φ/2)/(1 - φ)³.
 pub fn contact_value(a: f64, b: f64, volume_fraction: f64, second_moment: f64) -> f64 {
     let free = 1.0 - volume_fraction;
     let ratio = a * b / (a + b) * second_moment;
@@ -34,8 +35,8 @@ pub fn heated_a2(restitution: f64) -> f64 {
 
 /// [m²/s] coefficient of self-diffusion of elastic hard spheres by Enskog's theory, in the first approximation: 3/(8 n
 /// d² χ) sqrt(T/π). n is the `density` [1/m³], d the `diameter` [m], T the granular `temperature` [m²/s²] and χ the
-/// contact value (Chapman and Cowling 1970, The Mathematical Theory of Non-Uniform Gases, sections 14.2 and 16.6). The
-/// exact value of a dilute gas is 1.9 % larger than this approximation.
+/// contact value (Enskog factor) (Chapman and Cowling 1970, The Mathematical Theory of Non-Uniform Gases, sections 14.2
+/// and 16.6). The exact value of a dilute gas is 1.9 % larger than this approximation.
 pub fn enskog_self_diffusion(density: f64, diameter: f64, temperature: f64, contact_value: f64) -> f64 {
     3.0 / (8.0 * density * diameter * diameter * contact_value) * (temperature / PI).sqrt()
 }

@@ -11,8 +11,9 @@ use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Binary logarithm of the number of 64-byte blocks reserved for one particle or cell in one step; no step needs so
-/// many. The block counter has 64 bits, so that 32 bits remain for the number of the particle or cell.
+/// Binary logarithm of the number of blocks of 64 bytes that are reserved for one particle or cell in one step. No step
+/// needs so many. The block counter of the generator has 64 bits, so 32 bits remain for the number of the particle or
+/// cell.
 const BLOCKS: u32 = 32;
 
 /// Purpose of random numbers. Two purposes have independent numbers, even for the same seed.
@@ -47,7 +48,7 @@ pub fn mixed(words: &[u64]) -> u64 {
     })
 }
 
-/// Generator of the random numbers of all particles or cells in one step, for one purpose ([`NoiseUse`]).
+/// Generator of the random numbers that all particles or cells need in one step for one purpose ([`NoiseUse`]).
 pub struct Noise(ChaCha8Rng);
 
 impl Noise {

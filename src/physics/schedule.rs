@@ -30,29 +30,31 @@ use serde::{Deserialize, Serialize};
 use slowing::Slowing;
 use std::f64::consts::PI;
 
-/// [-] largest allowed relative change of the mean velocity and the agitation by the splitting of drag from motion.
-/// Standard errors of long runs are ten times as large.
+/// [-] largest allowed relative error of the mean velocity and of the agitation (random motion of the particles) by the
+/// splitting of drag from motion: drag acts only in kicks between windows. Standard errors of long runs are ten times
+/// as large.
 pub const SPLITTING: f64 = 1e-4;
 
-/// [-] largest allowed relative change of the response of a single particle to the gas by the splitting. It is smaller
-/// than `SPLITTING`, because a single particle has no scatter that hides the change.
+/// [-] largest allowed relative error of the response of a single particle to the gas by the splitting of drag from
+/// motion: drag acts only in kicks between windows. It is smaller than `SPLITTING`, because a single particle has no
+/// scatter that hides the error.
 pub const SPLITTING_ALONE: f64 = 1e-5;
 
-/// [-] largest distance between the computed path of a particle within a window and the exact parabola, divided by the
-/// smallest diameter. The value is that of [`SPLITTING_ALONE`].
+/// [-] largest distance between the computed path of a particle within a window (time between two kicks) and the exact
+/// parabola, divided by the smallest diameter. The value is that of [`SPLITTING_ALONE`].
 const SAG: f64 = 1e-5;
 
-/// Smallest number of samples in a run without drag, if the case gives neither the window nor the time between samples.
-/// Such a run has at least as many windows.
+/// Smallest number of samples (measurements) in a run without drag, if the case (input file) gives neither the window
+/// nor the time between samples. Such a run has at least as many windows.
 const PIECES: f64 = 200.0;
 
-/// Number of collisions of each particle between two samples, in an elastic or heated gas without drag. After this
-/// number of collisions the velocities are independent, and the cost of a sample is small compared with that of the
-/// collisions.
+/// Number of collisions of each particle between two samples (measurements), in an elastic or heated gas without drag.
+/// After this number of collisions the velocities are independent, and the cost of a sample is small compared with that
+/// of the collisions.
 const COLLISIONS: f64 = 5.0;
 
-/// Largest number of samples in an elastic or heated gas without drag. More samples would take much memory and add
-/// little information.
+/// Largest number of samples (measurements) in an elastic or heated gas without drag. More samples would take much
+/// memory and add little information.
 const MOST_SAMPLES: f64 = 1e5;
 
 /// Largest number of particles whose paths are stored; more paths could not be distinguished in a picture.
@@ -63,42 +65,47 @@ pub const MOST_FOLLOWED: usize = 50;
 const ROWS: f64 = 200.0;
 const ROWS_OF_FEW: f64 = 1000.0;
 
-/// Number of samples per response time of drag. It is so large that velocities change little between two samples.
+/// Number of samples (measurements) in one response time of drag. It is so large that velocities change little between
+/// two samples.
 const SAMPLES_PER_RESPONSE: f64 = 20.0;
 
-/// Largest number of times that the length of windows may be doubled in a run, when drag has slowed the particles.
+/// Largest number of times that the length of windows (times between two exchanges with the gas) may be doubled during
+/// a run, after drag has slowed the particles.
 const DOUBLINGS: usize = 4;
 
-/// [-] largest ratio of the longest window to the duration of the run. Curves over time would show steps if windows
-/// were longer.
+/// [-] largest length of a window that has been made longer during a run, divided by the duration of the run. Curves
+/// over time would show steps if windows were longer.
 const SHARE: f64 = 1e-3;
 
-/// [-] smallest share of the windows of a run that growing windows must save; otherwise all windows have one length.
+/// [-] smallest share of the windows of a run that must be saved by windows that become longer during the run. If fewer
+/// are saved, all windows have one length.
 const WORTH: f64 = 0.1;
 
 /// Windows of a run (times between two exchanges with the gas) and samples at ends of windows. Either all windows have
 /// one length, or the shortest windows are merged into longer ones from certain samples on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
-    /// [s] window h. If windows grow, it is the first and shortest window.
+    /// [s] length h of a window (time between two exchanges with the gas). If windows become longer during the run, it
+    /// is the length of the first windows, which are the shortest.
     pub window: f64,
-    /// Number of windows between two samples, counted in the shortest windows.
+    /// Number of windows between two samples (measurements). A longer window counts as several of the shortest windows.
     pub windows_per_sample: u64,
-    /// Number of samples, without the one at the start.
+    /// Number of samples (measurements) of the run, without the sample at its start.
     pub samples: u64,
-    /// Numbers of the samples from which on two, four, eight and sixteen of the shortest windows are merged into one.
-    /// `None` if the run has no windows of that length.
+    /// Numbers of the samples (measurements) from which on two, four, eight and sixteen of the shortest windows are
+    /// merged into one window. `None` if the run has no windows of that length.
     pub longer: [Option<u64>; DOUBLINGS],
     /// [s] interval between the instants at which all particles are written or curves are compared. The first interval
-    /// begins at the start of the run. A window that contains such an instant is divided there. `None`: no such
-    /// instants.
+    /// begins at the start of the run. A window (time between two exchanges with the gas) that contains such an instant
+    /// is divided there. `None` if there are no such instants.
     pub instants: Option<f64>,
 }
 
 /// Next piece of a run through which an engine advances without interruption.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScheduleStep {
-    /// This number of whole windows, up to the next sample or up to the window that contains an instant of output.
+    /// This number of whole windows (times between two exchanges with the gas). They reach to the next sample
+    /// (measurement), or to the window that contains an instant of output.
     Windows(u64),
     /// A part of a window, up to an instant [s] within the window, such as one at which the particles are written.
     ToInstant(f64),
@@ -107,15 +114,16 @@ pub enum ScheduleStep {
 }
 
 impl Schedule {
-    /// Creates a schedule of `samples` samples with `windows_per_sample` windows between two samples. All windows have
-    /// the length `window` [s].
+    /// Creates a schedule of `samples` samples (measurements) with `windows_per_sample` windows from one sample to the
+    /// next. All windows have the length `window` [s].
     pub fn even(window: f64, windows_per_sample: u64, samples: u64) -> Self {
         Self { window, windows_per_sample, samples, ..Self::default() }
     }
 
-    /// Schedule of an experiment. The experiment can give the length of the longest window. Otherwise this length is
-    /// limited by inlets, and by the splitting of drag, buoyancy, turbulence, coupling, heat and orbits from the
-    /// motion. Servo walls limit the length in any case. The duration is a whole number of the shortest windows.
+    /// Schedule of an experiment. The experiment can give the length of the longest window (time between two exchanges
+    /// with the gas). Otherwise the length is limited by inlets, and by errors that arise because drag, buoyancy,
+    /// turbulence, coupling, heat and the forces of an orbit act only between windows. Servo walls limit the length in
+    /// any case. The duration is a whole number of the shortest windows.
     pub fn new(experiment: &Experiment) -> Self {
         let duration = experiment.run.duration;
         if duration <= 0.0 {
@@ -177,8 +185,8 @@ impl Schedule {
         best.filter(|best| (best.windows() as f64) < (1.0 - WORTH) * self.windows() as f64).unwrap_or(self)
     }
 
-    /// Length of the next window, as a number of the shortest windows. `done` is the time at which that window begins,
-    /// also as a number of the shortest windows.
+    /// Number of the shortest windows that are merged into the next window. `done` is the number of the shortest
+    /// windows that fit into the time before the next window.
     pub fn together(&self, done: u64) -> u64 {
         let sample = done / self.windows_per_sample.max(1);
         1 << self.longer.iter().flatten().filter(|first| **first <= sample).count()
@@ -189,13 +197,13 @@ impl Schedule {
         self.window * (1_u64 << self.longer.iter().flatten().count()) as f64
     }
 
-    /// [s] time between two successive samples.
+    /// [s] time between two successive samples (measurements).
     pub fn interval(&self) -> f64 {
         self.windows_per_sample as f64 * self.window
     }
 
-    /// [s] time between two used samples, if every n-th sample is used. Here n is the smallest number with which at
-    /// most `most` samples are used after the start.
+    /// [s] time between two used samples (measurements), if every n-th sample is used. Here n is the smallest number
+    /// with which at most `most` samples are used after the start.
     pub fn spacing(&self, most: u64) -> f64 {
         self.samples.div_ceil(most).max(1) as f64 * self.interval()
     }
@@ -215,14 +223,14 @@ impl Schedule {
         windows + (self.samples - from) * each
     }
 
-    /// [s] allowance for rounding errors of a time: a millionth of a window. For comparison, the product of a number of
-    /// 1e9 windows and their length has a rounding error of 1e-7 of a window.
+    /// [s] allowance for rounding errors of a time: a millionth of a window. For comparison: the time after 1e9
+    /// windows, computed as 1e9 times their length, has a rounding error of 1e-7 of a window.
     pub fn rounding(&self) -> f64 {
         1e-6 * self.window
     }
 
     /// Returns the next piece of a run (some whole windows or a part of one), which begins at the time `now` [s]. The
-    /// window that contains `now` begins after `done` of the shortest windows.
+    /// window that contains `now` begins at the end of the first `done` of the shortest windows.
     pub fn piece(&self, done: u64, now: f64) -> ScheduleStep {
         let together = self.together(done);
         let to_sample = (self.windows_per_sample - done % self.windows_per_sample) / together;
@@ -267,8 +275,9 @@ impl Schedule {
 
 /// Time scales that determine the splitting error of drag.
 ///
-/// Drag along a window is replaced by kicks at its ends. Four quantities change within the window. The error of each is
-/// of second order in the window h (Strang 1968, SIAM J. Numer. Anal. 5, 506; factors of the trapezoidal rule):
+/// The action of drag during a window (time between two exchanges with the gas) is replaced by kicks at the two ends of
+/// the window. Four quantities change within the window. The error of each is of second order in the window h (Strang
+/// 1968, SIAM J. Numer. Anal. 5, 506; factors of the trapezoidal rule):
 /// * the slip velocity changes by drag itself: relative error (h/τ)²/24. The time τ is the response time at the start
 ///   or the relaxation time τ_l of the later slip, whichever is shorter;
 /// * the speed of a fall from rest changes by gravity and drag together: error h² (1/τ_l - 1/τ_0)/(12 t), relative to
@@ -289,13 +298,13 @@ struct DragScales {
     response: f64,
     /// [s] relaxation time τ_l at the slip speed that gravity causes.
     relaxation: f64,
-    /// [s²] t/(1/τ_l - 1/τ_0) of a fall of the time t, with the relaxation times τ_l at its final speed and τ_0 at
-    /// rest. Infinite without a fall, or if drag is linear.
+    /// [s²] ratio t/(1/τ_l - 1/τ_0) for a fall from rest that takes the time t. τ_l is the relaxation time at the final
+    /// speed, and τ_0 the one at rest. The ratio is infinite without a fall, or if drag is linear.
     fall: f64,
     /// [1/s] collision rate ν of a particle.
     rate: f64,
-    /// [1/s²] σ² u'/(L_y U) for motion across the gas profile, with the agitation σ, the gradient u' at the walls, the
-    /// width L_y of the channel, and the gas velocity U.
+    /// [1/s²] ratio σ² u'/(L_y U) for motion across the velocity profile of the gas. Here σ is the agitation (random
+    /// motion of the particles), u' the gradient at the walls, L_y the width of the channel, and U the gas velocity.
     crossing: f64,
 }
 
@@ -354,19 +363,20 @@ impl DragScales {
     }
 }
 
-/// [s] longest window if weight and buoyancy accelerate the species differently. Kicks at the ends of windows then add
-/// the differences from one common acceleration. Infinite if there are no differences. With a difference b [m/s²] the
-/// path within a window of length h differs by at most b h²/8 from a parabola. This distance is at most [`SAG`] times
-/// the smallest diameter.
+/// [s] longest window if weight and buoyancy accelerate the species differently. One acceleration common to all species
+/// then acts during a window, and kicks at the ends of windows add the differences. Infinite if there are no
+/// differences. With a difference b [m/s²] the path within a window of length h differs by at most b h²/8 from a
+/// parabola. This distance is at most [`SAG`] times the smallest diameter.
 fn longest_with_kicks_of_buoyancy(scene: &Scene) -> f64 {
     let largest = scene.differences_in_gravity().iter().map(|difference| difference.norm()).fold(0.0, f64::max);
     if largest > 0.0 { (8.0 * SAG * scene.smallest_diameter() / largest).sqrt() } else { f64::INFINITY }
 }
 
-/// [s] longest window with turbulence, if the fluctuations at the particles are advanced separately from the motion;
-/// infinite without turbulence. Within a window of length h the fluctuation changes by a share h r of its standard
-/// deviation, with the rate r of [`Turbulence::largest_rate`](crate::fluid::Turbulence::largest_rate). The error of the
-/// splitting is a twelfth of the square of h r (trapezoidal rule), and at most [`SPLITTING`].
+/// [s] longest window with turbulence; infinite without turbulence. The fluctuations of the gas velocity at the
+/// particles are advanced separately from the motion of the particles. Within a window of length h the fluctuation
+/// changes by a share h r of its standard deviation, with the rate r of
+/// [`Turbulence::largest_rate`](crate::fluid::Turbulence::largest_rate). The relative error of this separation is a
+/// twelfth of the square of h r (trapezoidal rule). It is at most [`SPLITTING`].
 pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let Some(fluid) = &scene.fluid else { return f64::INFINITY };
@@ -379,9 +389,9 @@ pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     (12.0 * SPLITTING).sqrt() / rates.fold(0.0, f64::max)
 }
 
-/// [-] largest relative decrease of the slip, the velocity of the gas relative to the particles, by the force on the
-/// gas within a window. The gas velocity is constant in a kick. So the exchange of momentum is an explicit scheme:
-/// stable if this number is below 2, with an error of first order in this number.
+/// [-] largest relative decrease, within a window, of the slip (velocity of the gas relative to the particles) by the
+/// force on the gas. The gas velocity is constant in a kick. So the exchange of momentum is an explicit scheme: it is
+/// stable if this number is below 2, and has an error of first order in this number.
 const EXCHANGED: f64 = 0.1;
 
 /// [s] longest window with two-way coupling; infinite if particles do not change the gas. The slip of the gas decays at
@@ -405,8 +415,8 @@ pub fn longest_for_coupling(experiment: &Experiment) -> f64 {
     EXCHANGED * fluid.density * volume / exchange.sum::<f64>()
 }
 
-/// [1/s] collision rate of each particle in a scene without losses, friction, gravity and a surrounding gas, in which
-/// the agitation is constant; 0 for all other scenes.
+/// [1/s] collision rate of each particle in a scene without losses, friction, gravity and a surrounding gas. In such a
+/// scene the agitation (random motion) of the particles is constant. The result is 0 for all other scenes.
 fn steady_rate(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let surfaces = scene.surfaces(experiment.most_that_touch(experiment.count()));
@@ -425,8 +435,8 @@ fn steady_rate(experiment: &Experiment) -> f64 {
     4.0 * count / scene.domain.volume() * PI.sqrt() * each.sum::<f64>()
 }
 
-/// Sets common instants for all variants if their sample times differ. Windows of all variants are divided at these
-/// instants, and curves and paths are compared there.
+/// Sets common instants for all variants (runs that are compared) if their times of measurement differ. Windows of all
+/// variants are divided at these instants, and curves and paths are compared there.
 pub fn align(experiments: &mut [&mut Experiment]) {
     let intervals: Vec<f64> = experiments.iter().map(|one| Schedule::new(one).interval()).collect();
     let durations = experiments.iter().map(|one| one.run.duration);
@@ -444,7 +454,8 @@ pub fn align(experiments: &mut [&mut Experiment]) {
     }
 }
 
-/// [m/s] mean velocity of a population at the start, and root mean square fluctuation of a velocity component.
+/// [m/s] mean velocity of the particles of a population at the start, and root mean square fluctuation [m/s] of a
+/// velocity component.
 fn motion(population: &Population) -> (Vector3<f64>, f64) {
     let Amount::Placed(placed) = &population.amount else {
         return (population.velocity_mean, population.mean_fluctuation());

@@ -1,8 +1,8 @@
 //! Driver that moves soft, event-driven hard and hybrid spheres through windows. The engines of hard spheres in time
 //! steps and of collisions by chance (DSMC) do not use it. A window is the time between two exchanges of momentum with
-//! the gas. The driver solves islands for as long as this pays, and then moves all particles at once by the classical
-//! algorithm (uniform time steps, or one event queue). An island is a group of particles that may meet within a part of
-//! a window.
+//! the gas. In each window the driver first solves islands, for as long as they cost less computing time. Then it moves
+//! all particles at once by the classical algorithm (uniform time steps, or one event queue). An island is a group of
+//! particles that may meet within a part of a window.
 //!
 //! Each of the three engines is a driver with a [`Solver`], which solves single islands and moves all particles at
 //! once. The driver stores the *carried* state, which continues from one window to the next: contacts in progress, or
@@ -64,20 +64,22 @@ pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
 /// Result of trying to solve islands (groups of particles that may meet) in a time window.
 #[derive(Clone, Copy)]
 pub struct Trial {
-    /// [s] simulated time, from the beginning of the window, through which islands were solved.
+    /// [s] simulated time since the start of the window through which islands (groups of particles that may meet) were
+    /// solved.
     pub done: f64,
-    /// Counts of the work in islands before the trial.
+    /// Counts of the work in islands (groups of particles that may meet) before the trial.
     pub before: IslandCounters,
-    /// Counts of the work in islands after the trial.
+    /// Counts of the work in islands (groups of particles that may meet) after the trial.
     pub after: IslandCounters,
 }
 
-/// The methods of an engine that solve single islands and move all particles at once.
+/// Methods of an engine that solve single islands (groups of particles that may meet), and that move all particles at
+/// once.
 pub trait Solver: Send {
     /// Type that solves a single island (group of particles that may meet); several threads use it at the same time.
     type Islands: Solve;
 
-    /// State, other than carried contacts or collisions, that the solver stores from one time window to the next.
+    /// State that the solver stores from one time window to the next, except contacts in progress or recent collisions.
     type State: Serialize + DeserializeOwned;
 
     /// Returns the solver of single islands (groups of particles that may meet), which is a component of this solver.
@@ -98,42 +100,46 @@ pub trait Solver: Send {
         window: Window,
     ) -> Option<f64>;
 
-    /// Decides for how many windows islands (groups of particles that may meet) are not tried again, from the result
-    /// `_trial` of trying them.
+    /// Decides, from the result `_trial` of trying islands (groups of particles that may meet), for how many windows
+    /// islands are not tried again. The default does nothing.
     fn judge(&mut self, _population: &PopulationSummary, _scene: &Scene, _trial: &Trial) {}
 
     /// Moves to `lasting` the carried state (such as contacts) that the classical algorithm (all particles at once) has
-    /// stored. The driver calls this function only when islands or other processes need the state, because a copy would
-    /// double the memory.
+    /// stored. The driver calls this function only when islands (groups of particles that may meet) or other processes
+    /// need the state, because a copy would double the memory.
     fn hand_over(&mut self, lasting: &mut Vec<Lasting<Self>>);
 
-    /// Calls `visit` with a copy of each item of state that [`hand_over`](Self::hand_over) would move.
+    /// Calls `visit` with a copy of each item of state (such as a contact) that [`hand_over`](Self::hand_over) would
+    /// move.
     fn for_each_kept(&self, visit: &mut dyn FnMut(Lasting<Self>));
 
-    /// Marks stored data on the order and places of particles as outdated, because islands may have moved or sorted the
-    /// particles.
+    /// Marks stored data on the order and places of particles as outdated. Islands (groups of particles that may meet)
+    /// may have moved or sorted the particles.
     fn disturb(&mut self);
 
     /// Marks data about the particle store as outdated, because particles have left the store or come into it. The
-    /// caller has already taken the carried state.
+    /// caller has already taken out the carried state (such as contacts).
     fn repopulate(&mut self) {
         self.disturb();
     }
 
-    /// Moves all particles through the window by the classical algorithm.
+    /// Moves all particles at once through the window, by uniform time steps or by one event queue (the classical
+    /// algorithm).
     ///
     /// # Errors
-    /// The engine fails; the store then contains the state at the time of the failure.
+    /// The engine fails; `work.particles` then contains the state at the time of the failure.
     fn advance_all(&mut self, work: &mut Work<Lasting<Self>>, window: Window) -> Result<(), Failure>;
 
-    /// Counts of all work: that of the classical algorithm (all particles at once) plus that in islands.
+    /// Counts of all work: that of the classical algorithm (all particles at once), plus that in islands (groups of
+    /// particles that may meet).
     fn counters(&self, islands: &IslandCounters) -> Counters;
 
     /// Frees, at the end of the run, memory that is needed only for a further time window.
     fn forget(&mut self) {}
 
     /// Energy [J] stored in contacts, if the classical algorithm (all particles at once) moved the particles last.
-    /// `None` if islands did; the energy is then computed from the carried state.
+    /// `None` if islands (groups of particles that may meet) did; the energy is then computed from the carried state,
+    /// the contacts in progress.
     fn elastic_energy(&self) -> Option<f64>;
 
     /// Sets the clock that measures the computing time of the classical algorithm (all particles at once) from now on.
@@ -155,13 +161,13 @@ pub trait Solver: Send {
 struct DriverState<C, S> {
     /// Contacts in progress (soft spheres), or times of recent collisions (hard spheres).
     lasting: Vec<C>,
-    /// True if the engine has completed its first time window.
+    /// True if the first time window of the run has begun.
     begun: bool,
     /// Counts of the work done in islands (groups of particles that may meet).
     islands: IslandCounters,
     /// Wall-clock time spent on islands (groups of particles that may meet).
     spent: EngineTimes,
-    /// State that the solver stores, apart from contacts or recent collisions.
+    /// State that the solver stores, except contacts or recent collisions.
     solver: S,
 }
 
@@ -198,8 +204,9 @@ impl<S: DistributedSolver> Driver<S> {
         }
     }
 
-    /// Data for the choice between islands and the classical algorithm (all particles at once); `None` if islands are
-    /// not tried. If they are tried, the solver passes its carried state (such as contacts) to them.
+    /// Data for the choice between islands (groups of particles that may meet) and the classical algorithm (all
+    /// particles at once); `None` if islands are not tried. If they are tried, the solver passes its carried state
+    /// (such as contacts) to them.
     fn choice(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Option<IslandCost> {
         let population = self.islands.population(work);
         let speeds = self.islands.speeds(work, &population);
@@ -210,9 +217,10 @@ impl<S: DistributedSolver> Driver<S> {
         Some(choice)
     }
 
-    /// Passes the result of trying islands to the solver, which decides when islands are tried again. Also adds up the
-    /// counts of all processes, and marks stored data of the solver as outdated if islands were searched. `done` is the
-    /// simulated time [s] that was covered by islands, or a failure.
+    /// Passes the result of trying islands (groups of particles that may meet) to the solver, which decides when
+    /// islands are tried again. Also adds up the counts of all processes, and marks stored data of the solver as
+    /// outdated if islands were searched. `done` is the simulated time [s] through which islands have moved the
+    /// particles, or a failure.
     fn judge(&mut self, choice: &IslandCost, scene: &Scene, before: IslandCounters, done: &Result<f64, Failure>) {
         self.islands.processes.share_counts(&mut self.islands.counters, &before);
         let after = self.islands.counters();

@@ -3,9 +3,9 @@
 //!
 //! An [`Engine`] moves every particle through one window under gravity and impacts. A window is the time between two
 //! exchanges of momentum with the gas. Drag is applied by the simulation before and after the window. Engines take no
-//! samples. The engines for soft and hard spheres do not depend on other engines. The hybrid engine uses parts of both.
-//! The engine for collisions by chance (DSMC) uses the impacts of hard spheres. An engine whose run several processes
-//! can share also implements [`Distributed`](distributed::Distributed).
+//! samples. The engines for soft and hard spheres do not depend on other engines. The hybrid engine uses code of both.
+//! The engine for collisions by chance (DSMC) uses the impacts of hard spheres. If several processes can share a run
+//! with an engine, the engine also implements [`Distributed`](distributed::Distributed).
 
 pub mod distributed;
 pub mod driver;
@@ -30,7 +30,8 @@ use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
-/// An interval of simulated time through which an engine moves the particles, between two exchanges with the gas.
+/// Window: interval of simulated time between two exchanges of momentum with the gas. An engine moves the particles
+/// through one window at a time.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
     /// [s] simulated time at the start of the window.
@@ -62,8 +63,8 @@ pub trait Engine: Send {
     /// and impacts act. Impacts, energies and impulses are added to `record`.
     ///
     /// # Errors
-    /// A [`Failure`], with the numbers that describe it. The store then contains the state at the time of the failure,
-    /// [`Failure::time`].
+    /// A [`Failure`], with the numbers that describe it. `particles` then contains the state at the time of the
+    /// failure, [`Failure::time`].
     fn advance(
         &mut self,
         particles: &mut Particles,
@@ -72,8 +73,8 @@ pub trait Engine: Send {
         record: &mut Record,
     ) -> Result<(), Failure>;
 
-    /// Frees memory that only a further window would need; called at the end of a run. A further window would begin
-    /// without the stored contacts or collisions. Counts and times are kept.
+    /// Frees memory at the end of a run. A further window (time between two exchanges with the gas) would begin without
+    /// the stored contacts or collisions. Counts of work and computing times are kept.
     fn forget(&mut self) {}
 
     /// Returns the work done so far: counts, which are the same on every machine, and wall-clock times. Only the tasks
@@ -86,28 +87,29 @@ pub trait Engine: Send {
         0.0
     }
 
-    /// Parts [J] of [`elastic_energy`](Self::elastic_energy) in tangential, rolling and twisting springs.
+    /// Energies [J] in the tangential, rolling and twisting springs of soft contacts, in this order. They are included
+    /// in [`elastic_energy`](Self::elastic_energy). The default is 0.
     fn spring_energies(&self) -> [f64; 3] {
         [0.0; 3]
     }
 
     /// Calls `visit` with each two bodies (two particles, or a particle and a wall) that are now in contact, by index.
-    /// For soft spheres, these are the contacts that were in progress at the last check. If contacts are instantaneous,
-    /// `visit` is not called, which is the default.
+    /// For soft spheres, these are the contacts that were in progress when the engine last tested the gaps. If contacts
+    /// are instantaneous, `visit` is not called, which is the default.
     fn for_each_touching(&self, _visit: &mut dyn FnMut(Couple)) {}
 
-    /// Indices of the particles that were members of islands (groups solved separately) in the last time window.
-    /// `None`, the default, if all particles were moved at once at the end of that window.
+    /// Indices of the particles that were members of islands (groups solved separately) at the end of the last time
+    /// window. `None`, the default, if all particles were moved at once then.
     fn in_islands(&self) -> Option<&[u32]> {
         None
     }
 
-    /// Sets the clock with which the engine measures computing times, and to which it reports the simulated time within
-    /// long time windows. Without a clock the engine measures no computing time.
+    /// Sets the clock of the engine. The engine measures computing times with the clock, and reports to the clock the
+    /// simulated time that it has reached within a long time window. Without a clock, no computing time is measured.
     fn use_clock(&mut self, clock: Clock);
 
-    /// State of the engine between windows. An engine with the same settings continues from this state with bitwise
-    /// equal results. The function may be called only between windows.
+    /// State of the engine between windows (times between two exchanges with the gas). An engine with the same settings
+    /// continues from this state with bitwise equal results. The function may be called only between windows.
     ///
     /// # Errors
     /// The state cannot be stored.
@@ -119,10 +121,11 @@ pub trait Engine: Send {
     /// The bytes are not the state of an engine of this type; this engine then remains unchanged.
     fn restore(&mut self, stored: &Stored) -> Result<(), StoreError>;
 
-    /// Follows a change of the population between two windows. `index_of` contains, for each index in the store before
-    /// the change, the index after it, or `None` for a particle that has left. Particles that have come in are at the
-    /// end of the store. The engine keeps the contacts and collision histories of the particles that stay. Returns the
-    /// energy [J] that was stored in contacts of the particles that have left.
+    /// Adapts the engine to a change of the population between two windows: particles have left or come in. `index_of`
+    /// contains, for each index in the particle store before the change, the index after the change, or `None` for a
+    /// particle that has left. Particles that have come in are at the end of the store. The engine keeps the contacts
+    /// and collision histories of the particles that stay. Returns the energy [J] that was stored in contacts of the
+    /// particles that have left.
     fn repopulate(&mut self, index_of: &[Option<u32>]) -> f64;
 }
 
@@ -145,7 +148,7 @@ pub struct EngineTimes {
 }
 
 impl EngineTimes {
-    /// Returns these times, with the time spent on building the neighbour list `list` added.
+    /// Returns these times plus the time that was spent on building the neighbour list `list`.
     fn with_list(self, list: &NeighbourList) -> Self {
         Self { neighbours: self.neighbours + list.building(), ..self }
     }
@@ -159,8 +162,9 @@ pub struct Counters {
     /// also counts as one (soft and hybrid spheres).
     pub steps: u64,
     /// Number of steps in which all particles were moved (soft spheres), included in `steps`. For hybrid spheres, the
-    /// steps of crowds (large islands) are included too. Depending on the settings and on the number of touching
-    /// particles, soft spheres are moved by local steps of single islands instead.
+    /// steps of crowds (large islands) are included too. An island is a group of particles that may meet. Depending on
+    /// the settings and on the number of touching particles, soft spheres are moved instead by local steps of single
+    /// islands.
     pub uniform_steps: u64,
     /// Number of candidates (two particles, or a particle and a wall) whose gap or time of touch was computed. For soft
     /// uniform steps, all candidates in the neighbour list are counted, also those that are skipped as too far apart.
@@ -177,12 +181,12 @@ pub struct Counters {
     pub neighbour_builds: u64,
     /// Number of islands (groups of particles that may meet) that were solved.
     pub islands: u64,
-    /// Sum over all solved islands of the number of their particles.
+    /// Number of particles in all solved islands together (groups of particles that may meet).
     pub island_members: u64,
-    /// Number of particles in the largest island.
+    /// Number of particles in the largest island (group of particles that may meet) of the run.
     pub largest_island: u64,
-    /// Number of islands that were solved again, because a particle met an unexpected particle or exceeded the speed
-    /// assumed for it, or because the island took too much computing time.
+    /// Number of islands (groups of particles that may meet) that were solved again. Reasons are that a particle met an
+    /// unexpected particle or exceeded the speed assumed for it, or that the island took too much computing time.
     pub islands_redone: u64,
 }
 
@@ -380,8 +384,8 @@ pub enum Failure {
     },
 }
 
-/// Time [s] for messages, rounded to nine significant digits. Further digits are rounding errors of the sum of time
-/// windows.
+/// Time [s] for messages, rounded to nine significant digits. Further digits contain rounding errors, because the time
+/// is a sum of many time windows.
 fn nine(time: &f64) -> f64 {
     format!("{time:.8e}").parse().unwrap_or(*time)
 }
@@ -438,7 +442,7 @@ fn not_a_number(particles: &Particles, time: f64) -> Failure {
         .iter()
         .zip(&particles.velocity)
         .position(|(x, v)| !(x.iter().chain(v.iter()).all(|value| value.is_finite())));
-    // if all numbers are finite, the square of a speed is not; this is the speed of the fastest particle
+    // if all numbers are finite, the square of the largest speed is not, so the fastest particle is named
     let fastest = || (0..particles.len()).max_by(|a, b| speed(particles, *a).total_cmp(&speed(particles, *b)));
     let index = bad.or_else(fastest).unwrap_or_default();
     Failure::NotANumber { time, particle: particles.id.get(index).copied().unwrap_or_default() }

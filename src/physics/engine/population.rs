@@ -25,7 +25,7 @@ pub struct PopulationSummary {
     pub filled: f64,
     /// [-] mean volume fraction around a particle. It is larger than `filled` if gravity holds the particles in a layer
     /// that does not fill the box. It equals `filled` if velocities also change between windows, since no choice then
-    /// depends on it, and if each process stores only a part of the particles at the start of a run.
+    /// depends on it, and if each process stores only some of the particles at the start of a run.
     pub crowded: f64,
     /// True if not all particles have equal radii.
     pub mixed: bool,
@@ -83,10 +83,12 @@ pub fn crowded_density(particles: &Particles, domain: &Domain) -> f64 {
 /// [1/m³] number density in the neighbourhood of a particle, averaged over all particles. It exceeds the mean density
 /// of the box where particles lie in a layer or in clusters. `diameter` [m] is that of the largest particle.
 ///
-/// The particles are counted in cells of about three diameters. A particle in a cell of volume V with n particles has
-/// (n - 1)/V neighbours per volume. For points at random positions, the average of this value is the mean density.
+/// The particles are counted in cells with edges of at least about three diameters. A particle in a cell of volume V
+/// with n particles has (n - 1)/V neighbours per volume. For points at random positions, the average of this value is
+/// the mean density.
 fn local_density(positions: &[Vector3<f64>], domain: &Domain, diameter: f64) -> f64 {
-    /// Largest number of cells per particle, so that a nearly empty box needs little memory.
+    /// Largest number of cells per particle, so that a nearly empty box needs little memory; the cells are larger
+    /// there.
     const CELLS: f64 = 4.0;
     let most = (CELLS * positions.len() as f64).max(1.0);
     let edge = (3.0 * diameter).max((domain.volume() / most).cbrt());

@@ -6,9 +6,9 @@ use crate::kinetic_theory::contact_value;
 use std::f64::consts::PI;
 
 /// [s] longest window of a scene with a thermostat, which heats the particles between two windows; infinite without a
-/// thermostat. The heat of a window of length h is early or late by h/2. With the collision rate r, this splitting of
-/// heat and collisions causes a relative error of at most (r h)²/24 (trapezoidal rule). The window is so short that
-/// this error is at most [`SPLITTING`].
+/// thermostat. The heat of a window (time between two exchanges with the gas) of length h comes up to h/2 too early or
+/// too late. With the collision rate r, this splitting of heat and collisions causes a relative error of at most (r
+/// h)²/24 (trapezoidal rule). The window is so short that this error is at most [`SPLITTING`].
 pub fn longest_for_thermostat(experiment: &Experiment) -> f64 {
     heated_rate(experiment).map_or(f64::INFINITY, |rate| (24.0 * SPLITTING).sqrt() / rate)
 }
@@ -32,7 +32,7 @@ pub(super) fn heated_rate(experiment: &Experiment) -> Option<f64> {
     let surfaces = scene.surfaces(experiment.most_that_touch(experiment.count()));
     let losses = surfaces.into_iter().map(|surface| 1.0 - surface.restitution.powi(2));
     let least = losses.fold(1.0, f64::min);
-    // each collision takes (1 - e²)/3 of T from its two particles, see `predict::transient`
+    // on average, a collision takes the share (1 - e²)/3 of T from each of its two particles, see `predict::transient`
     let steady = thermostat.steady_temperature(over_root * least / 3.0);
     let unhindered = thermostat.temperature_after(at_start, experiment.run.duration);
     Some(over_root * at_start.max(steady.min(unhindered)).sqrt())

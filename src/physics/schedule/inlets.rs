@@ -4,9 +4,9 @@
 use crate::experiment::Experiment;
 use crate::scene::Inlet;
 
-/// [-] largest share of the volume of an inlet that the particles of one window fill. At this share, random sequential
-/// addition, which places these particles, is fast; the method jams at the share 0.382 (Talbot, Schaaf and Tarjus
-/// 1991).
+/// [-] largest share of the volume of an inlet that is filled by the particles that come in during one window. At this
+/// share, random sequential addition, which places these particles, is fast; the method jams at the share 0.382
+/// (Talbot, Schaaf and Tarjus 1991).
 const FILLED: f64 = 0.1;
 
 /// [s] longest window with inlets, through which particles come in at the ends of windows; infinite without inlets. In

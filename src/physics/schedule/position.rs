@@ -4,18 +4,20 @@
 use super::{Schedule, ScheduleStep};
 use serde::{Deserialize, Serialize};
 
-/// [-] fraction of a window by which the time of a simulation may differ from that of the schedule. Rounding errors of
-/// the time add up to less than this fraction over 10⁶ windows.
+/// [-] fraction of a window (time between two exchanges with the gas) by which the time of a simulation may differ from
+/// that of the schedule. Rounding errors of the time add up to less than this fraction over 10⁶ windows.
 const DRIFT: f64 = 1e-3;
 
-/// Position of a run in its schedule. A run may stop at any time within a window; the next run completes that window
-/// first.
+/// Position of a run in its schedule. A run may stop at any time within a window (time between two exchanges with the
+/// gas); when the run is continued, this window is completed first.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SchedulePosition {
     schedule: Schedule,
-    /// Number of completed windows, in units of the shortest windows of the schedule.
+    /// Number of completed windows (times between two exchanges with the gas). A longer window counts as several of the
+    /// shortest windows of the schedule.
     done: u64,
-    /// [s] time within a window at which the run has been interrupted; `None` if the run is at the end of a window.
+    /// [s] simulated time at which the run has been interrupted within a window (time between two exchanges with the
+    /// gas); `None` if the run is at the end of a window.
     cut: Option<f64>,
 }
 
@@ -38,24 +40,24 @@ impl SchedulePosition {
         &self.schedule
     }
 
-    /// [s] present time according to the schedule. It is free of the rounding errors that add up, over millions of
-    /// windows, in the time of the simulation itself.
+    /// [s] present time according to the schedule. It is computed from the number of windows, so it is free of the
+    /// rounding errors that add up in the time of the simulation itself.
     pub fn now(&self) -> f64 {
         self.cut.unwrap_or_else(|| self.after(0))
     }
 
-    /// [s] end of the first `windows` windows, counted from the present one, if all are as long as the present one;
-    /// with 0 the beginning of the present window.
+    /// [s] time at which the next `windows` windows end, if all are as long as the present window, which is the first
+    /// of them. With 0 it is the start of the present window.
     pub fn after(&self, windows: u64) -> f64 {
         (self.done + windows * self.schedule.together(self.done)) as f64 * self.schedule.window
     }
 
-    /// [s] length of the present window.
+    /// [s] length of the present window (time between two exchanges with the gas).
     pub fn window(&self) -> f64 {
         self.schedule.window * self.schedule.together(self.done) as f64
     }
 
-    /// [s] time of the next sample.
+    /// [s] time of the next sample (measurement).
     pub fn next_sample(&self) -> f64 {
         let windows = self.schedule.windows_per_sample.max(1);
         ((self.done / windows + 1) * windows) as f64 * self.schedule.window
@@ -71,8 +73,8 @@ impl SchedulePosition {
         (self.now() - time).abs() <= DRIFT * self.schedule.window
     }
 
-    /// Next piece of the run, several whole windows or a part of one window. It ends at the time `until` [s] at the
-    /// latest.
+    /// Returns the next piece of the run: several whole windows (times between two exchanges with the gas), or a part
+    /// of one window. The piece ends at the time `until` [s] at the latest.
     pub fn next(&self, until: f64) -> ScheduleStep {
         let (schedule, now) = (&self.schedule, self.now());
         let step = match schedule.instants {

@@ -8,16 +8,17 @@ use crate::predict::flow::terminal_slip;
 use crate::scene::Scene;
 use crate::walls::Wall;
 
-/// Upper limit of the speed of particles of one species in still gas, computed from drag alone. The limit decides when
-/// windows may become longer.
+/// Upper limit of the speed of particles of one species in still gas, computed from drag and gravity alone. The limit
+/// decides when windows (times between two exchanges with the gas) may become longer.
 ///
 /// Drag decreases the root mean square speed R at least as fast as the speed of one sphere that starts with the speed
 /// R. The reason is that the power of drag at the speed w, m w²/τ(w) with the response time τ, is a convex function of
-/// w² for any law whose 1/τ grows with w. So the mean of this power is at least its value at R (Jensen's inequality).
-/// Collisions of spheres that do not rotate and walls at rest add no energy ([`is_fed`]). Gravity g adds at most the
-/// speed of a fall from rest. Let S be the sum of two speeds: that of this fall, and one that begins at the initial R
-/// and decreases by drag alone. Drag grows at least as fast as w, so dS/dt >= g - S/τ(S), while dR/dt <= g - R/τ(R).
-/// Therefore S is an upper limit of R.
+/// w² if 1/τ is a sum of growing powers of w. The laws of Stokes and of Schiller and Naumann have this form, except for
+/// a small jump at a Reynolds number of 1000. So the mean of this power is at least its value at R (Jensen's
+/// inequality). Collisions of spheres that do not rotate and walls at rest add no energy ([`is_fed`]). Gravity g adds
+/// at most the speed of a fall from rest. Let S be the sum of two speeds: that of this fall, and one that begins at the
+/// initial R and decreases by drag alone. Drag grows at least in proportion to w, so dS/dt >= g - S/τ(S), while dR/dt
+/// <= g - R/τ(R). Therefore S is an upper limit of R.
 pub(super) struct Slowing<'a> {
     experiment: &'a Experiment,
     /// [m/s] root mean square speed R at the start.
@@ -45,8 +46,8 @@ impl<'a> Slowing<'a> {
         (still && of_one_kind && speed > 0.0).then_some(Self { experiment, speed })
     }
 
-    /// [s] longest window allowed at the time `time` [s] of the run. It grows with time, because the upper limit of the
-    /// speeds decreases.
+    /// [s] longest window (time between two exchanges with the gas) allowed at the time `time` [s] of the run. It grows
+    /// with time, because the upper limit of the speeds decreases.
     pub(super) fn longest_window(&self, time: f64) -> f64 {
         let Self { experiment, speed } = self;
         let scene = &experiment.scene;

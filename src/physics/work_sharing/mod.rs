@@ -14,9 +14,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Number of searches for work after which an idle thread rests. The searches take about 2 ms if no other program uses
-/// the processor. This time is longer than the pause between two shared loops of an engine, but short compared with the
-/// times in which one thread works alone. The searches are counted, because engines do not read the time.
+/// Number of searches for work after which an idle thread rests. So many searches take about 2 ms if no other program
+/// uses the processor. This time is longer than the pause between two shared loops of an engine, but short compared
+/// with the times in which one thread works alone. The searches are counted, because engines do not read the time.
 const LOOKS: u32 = 5000;
 
 /// Pause of an idle thread before each further search for work, once [`LOOKS`] searches have found none.
@@ -53,11 +53,11 @@ pub fn for_each_with<T: Send, M>(
 }
 
 /// Calls `do_pieces` on this thread and on `helpers` other threads. The argument of `do_pieces` is true on the other
-/// threads, which take pieces from the end of the list. So a thread is likely to get the pieces that it had in the
-/// previous loop, which are in its cache.
+/// threads, which take pieces from the end of the list. So a thread is likely to get again the pieces of the previous
+/// loop, which are still in the cache of its processor.
 ///
 /// The function takes a trait object, because compiling the calls of rayon anew for each loop would take long. For the
-/// same reason a loop without helpers goes through here too: its body is then compiled once.
+/// same reason a loop without helpers also calls this function: the body of the loop is then compiled only once.
 fn on_threads(helpers: usize, do_pieces: &(dyn Fn(bool) + Sync)) {
     if helpers == 0 {
         return do_pieces(false);

@@ -14,8 +14,8 @@ thread_local! {
     static TAKES_PART: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs `work` on a thread of the pool, while the other threads search for pieces of this work. A nested call does not
-/// start another search, because a thread that searches within a piece could delay this piece.
+/// Runs `work` on a thread of the pool, while the other threads search for pieces of this work. A call of this function
+/// within such a piece does not start another search, because a searching thread could delay the piece.
 pub fn keep_workers_spinning<R: Send>(work: impl FnOnce() -> R + Send) -> R {
     let over = AtomicBool::new(false);
     rayon::scope(|scope| {

@@ -15,9 +15,9 @@ use std::f64::consts::PI;
 /// [-] longest edge of a cell, divided by the mean free path, if there are enough particles (Bird 1994, chapter 11).
 const EDGE: f64 = 1.0 / 3.0;
 
-/// Mean number of particles N in a cell whose edge h is a third of the mean free path λ (Bird 1994, chapter 11). Two
-/// particles collide again before they leave a cell with a probability of about h/(λ N). So cells with shorter edges
-/// may contain fewer particles at the same probability.
+/// Mean number of particles N in a cell whose edge h is a third of the mean free path λ (Bird 1994, chapter 11). After
+/// a collision, the two particles collide with each other again before they leave the cell with a probability of about
+/// h/(λ N). So cells with shorter edges may contain fewer particles at the same probability.
 const PER_CELL: f64 = 20.0;
 
 /// Smallest mean number of particles per cell that the program chooses; a cell with fewer than two has no pair.
@@ -29,17 +29,18 @@ const FEWEST: f64 = 2.0;
 const ACROSS: f64 = 24.0;
 
 /// Smallest mean number of particles in a block, a group of cells for which one volume fraction φ is computed. The
-/// number N of particles in a block fluctuates. So the mean of N (N - 1) χ(φ), with the contact value χ, differs from
-/// its value at the mean N. The relative difference is (2 φ χ'/χ + φ² χ''/(2 χ))/N, where primes denote derivatives
-/// with respect to φ. With χ of Carnahan and Starling it is less than 0.01 up to φ = 0.3.
+/// number N of particles in a block fluctuates. So the mean of N (N - 1) χ(φ), with the Enskog factor χ (collision rate
+/// over that of a dilute gas), differs from its value at the mean N. The relative difference is (2 φ χ'/χ + φ² χ''/(2
+/// χ))/N, where primes denote derivatives with respect to φ. With χ of Carnahan and Starling it is less than 0.01 up to
+/// φ = 0.3.
 const PER_BLOCK: f64 = 500.0;
 
-/// [-] largest volume fraction at which the contact value is evaluated: no packing of equal spheres is denser than
-/// 0.7405 (Kepler).
+/// [-] largest volume fraction at which the contact value (Enskog factor) is evaluated: no packing of equal spheres is
+/// denser than 0.7405 (Kepler).
 const DENSEST: f64 = 0.74;
 
-/// Number of lattice points along each edge of a cell that a wall cuts. The fraction of points at which centres of
-/// particles can be gives the open part of the cell, within about a tenth of the cell.
+/// Number of lattice points along each edge of a cell that a wall cuts. The open part of the cell is the fraction of
+/// lattice points at which centres of particles can be. Its error is about a tenth of the cell.
 const LATTICE: usize = 6;
 
 /// Largest number of cells that the program chooses along an axis. This number limits the memory in a nearly empty box.
@@ -96,8 +97,8 @@ impl RadiusSummary {
     }
 
     /// [m] mean free path 1/(√2 n σ χ) of the particles if they fill a volume [m³] uniformly. n is the number density,
-    /// and σ the mean cross-section of two particles. χ is the Enskog factor, or 1 if `enskog` is false. The path is
-    /// infinite for a single particle.
+    /// and σ the mean cross-section of two particles. χ is the Enskog factor (collision rate over that of a dilute
+    /// gas), or 1 if `enskog` is false. The path is infinite for a single particle.
     pub fn mean_free_path(&self, volume: f64, enskog: bool) -> f64 {
         let [mean, square] = self.mean;
         let filled = (self.volume / volume).min(DENSEST);
@@ -133,9 +134,9 @@ pub struct CollisionCells {
     region: Region,
     /// Number of cells along each of the three axes.
     pub count: [usize; 3],
-    /// Indices in the store of all particles, cell by cell. Within a cell they are in the order of the store.
+    /// Indices of all particles in the particle store, cell by cell. Within a cell they are in the order of the store.
     pub order: Vec<u32>,
-    /// [m³] part of each cell's volume in which centres of particles can be.
+    /// [m³] part of each cell's volume in which centres of the smallest particles can be.
     pub open: Vec<f64>,
     /// Number of blocks of cells along each axis. A volume fraction is computed for each block.
     blocks: [usize; 3],
@@ -148,7 +149,7 @@ impl CollisionCells {
     /// settings, or are chosen from the scene and the sizes.
     pub fn new(scene: &Scene, sizes: &RadiusSummary, settings: &DsmcSettings) -> Self {
         let [low, high] = corners(scene, 0.0);
-        // limits the radius, so that a box narrower than its particles keeps some width
+        // the radius is limited, so that a box narrower than its particles keeps some width
         let radius = sizes.range[0].min(0.25 * (high - low).min());
         let inner = corners(scene, radius);
         let region = Region::around(&scene.domain, inner, 0.0);
@@ -174,7 +175,7 @@ impl CollisionCells {
         self.grid.sort_among(&particles.position, |x| *x, &self.region, self.count, &mut self.order);
     }
 
-    /// Indices in the store of the particles in a cell, given by its number.
+    /// Indices, in the particle store, of the particles in the cell number `cell`.
     #[inline]
     pub fn members(&self, cell: usize) -> &[u32] {
         &self.order[self.grid.items_of(cell)]
@@ -212,7 +213,7 @@ impl CollisionCells {
         of_blocks.into_iter().map(crowding).collect()
     }
 
-    /// Number of the block of cells to which a cell, given by its number, belongs.
+    /// Number of the block (group of cells) to which the cell number `cell` belongs.
     pub fn block_of(&self, cell: usize) -> usize {
         let [nx, ny, _] = self.count;
         let steps = [cell % nx, cell / nx % ny, cell / (nx * ny)];
@@ -221,8 +222,9 @@ impl CollisionCells {
     }
 }
 
-/// [m] lowest and highest corner of the part of the box inside all flat walls and vessels. The corners have the
-/// additional distance `inwards` [m] from these walls.
+/// [m] lowest and highest corner of the room for particles: the part of the box that lies inside all vessels (walls
+/// around all particles) and all planes perpendicular to an axis. The corners are moved inwards from these walls by the
+/// distance `inwards` [m].
 fn corners(scene: &Scene, inwards: f64) -> [Vector3<f64>; 2] {
     let inwards = Vector3::repeat(inwards);
     let rooms = scene.walls.iter().filter_map(|wall| wall.geometry.law().room_corners());
@@ -232,8 +234,8 @@ fn corners(scene: &Scene, inwards: f64) -> [Vector3<f64>; 2] {
 }
 
 /// Numbers of cells along the three axes, for cells small compared with the mean free path that still contain enough
-/// particles (docs/design/dsmc.md). `enskog` is true if the mean free path is that of Enskog's dense gas, false for a
-/// dilute gas.
+/// particles (docs/design/dsmc.md). If `enskog` is true, the mean free path is that of a dense gas with Enskog's
+/// collision rate, otherwise that of a dilute gas.
 fn numbers(scene: &Scene, region: &Region, sizes: &RadiusSummary, enskog: bool) -> [usize; 3] {
     let (size, periodic) = (region.size(), scene.domain.periodic);
     if sizes.count < 2 {
@@ -259,8 +261,8 @@ fn numbers(scene: &Scene, region: &Region, sizes: &RadiusSummary, enskog: bool) 
     std::array::from_fn(|axis| (size[axis] / edges[axis]).round().clamp(1.0, MOST_CELLS) as usize)
 }
 
-/// Numbers of blocks of cells along the three axes. Blocks are enlarged along their shortest edge until the mean number
-/// of particles in a block is large enough.
+/// Numbers of blocks (groups of cells with one volume fraction) along the three axes. Blocks are enlarged along their
+/// shortest edge until the mean number of particles in a block is large enough.
 fn blocks(region: &Region, count: [usize; 3], particles: usize) -> [usize; 3] {
     let mut blocks = count;
     let edge = |blocks: &[usize; 3], axis: usize| region.size()[axis] / blocks[axis] as f64;
@@ -278,7 +280,7 @@ fn blocks(region: &Region, count: [usize; 3], particles: usize) -> [usize; 3] {
 fn open_volumes(scene: &Scene, [low, size]: [Vector3<f64>; 2], count: [usize; 3], radius: f64) -> Vec<f64> {
     let cells = count.iter().product::<usize>();
     let edges = Vector3::from_fn(|axis, _| size[axis] / count[axis] as f64);
-    // flat walls across an axis limit the box already
+    // flat walls perpendicular to an axis already limit the box of cells
     let cuts = |wall: &&crate::walls::Wall| !wall.geometry.is_flat() || wall.geometry.law().room_corners().is_none();
     if scene.walls.iter().filter(cuts).count() == 0 {
         return vec![edges.product(); cells];

@@ -22,26 +22,28 @@ pub struct CellState<'a> {
     pub scene: &'a Scene,
     /// Indices of the particles of this cell, as numbered in the particle store.
     pub members: &'a [u32],
-    /// [m³] part of the cell's volume in which centres of particles can be.
+    /// [m³] part of the cell's volume in which centres of the smallest particles can be.
     pub open: f64,
-    /// Local volume fraction, from which the Enskog factor follows; `None` if that factor is left out.
+    /// Local volume fraction, from which the Enskog factor (collision rate over that of a dilute gas) follows; `None`
+    /// if that factor is left out.
     pub crowding: Option<Crowding>,
     /// Radius [m] of all particles of the run if their radii are equal; `None` if the radii differ.
     pub radius: Option<f64>,
 }
 
-/// Results of the collisions in several cells, before they are written to the store.
+/// Results of the collisions in several cells, before they are written to the particle store.
 #[derive(Default)]
 pub struct CellCollisions {
-    /// Index in the store, new velocity [m/s] and new spin [rad/s] of each particle that collided. If a particle is
-    /// listed more than once, its last entry is valid.
+    /// Index in the particle store, new velocity [m/s] and new spin [rad/s] of each particle that collided. If a
+    /// particle is listed more than once, its last entry is valid.
     pub changed: Vec<(u32, Vector3<f64>, Vector3<f64>)>,
     /// Impacts and energies of the collisions, for the record of the run.
     pub log: Log,
     /// Number of pairs that were chosen at random as candidates for a collision; not all of them collide.
     pub drawn: u64,
     /// [1/s] sum of the expected collision rates of all particles in the cells, which is twice the expected number of
-    /// collisions per time.
+    /// collisions per time. If the radii differ, it is an upper limit, because each pair is given the cross-section of
+    /// the largest particles in its cell.
     pub rate: f64,
     /// True if the velocity of a particle in the cells is not a finite number, so that the collisions are not valid.
     pub broken: bool,

@@ -65,8 +65,8 @@ impl FlightWalls {
     }
 }
 
-/// Result of the flight of one particle near walls: its index in the store, its state at the end, and the failure that
-/// stopped it, or `None`.
+/// Result of the flight of one particle near walls: its index in the particle store, its position and velocity at the
+/// end, and the failure that stopped the particle, or `None`.
 type FlownParticle = (u32, Motion, Option<Failure>);
 
 /// Moves all particles along their parabolas through an interval of time, with their impacts on walls. Returns the
@@ -139,8 +139,8 @@ fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, dur
 }
 
 /// Moves a particle through an interval of time, with all its impacts on walls. The particle is the only one in the
-/// store `one`. `found` is scratch memory for the numbers of near walls. Returns an error if the particle comes to rest
-/// on a wall.
+/// particle store `one`. `found` is scratch memory for the numbers of near walls. Returns an error if the particle
+/// comes to rest on a wall.
 fn fly_among_walls(
     one: &mut Particles,
     scene: &Scene,
@@ -189,7 +189,7 @@ fn fly_among_walls(
     }
 }
 
-/// [s] longest time for which the particle may fly before near walls are searched again, if `left` [s] of its flight
+/// [s] longest time for which a particle may fly before near walls are searched again, if `left` [s] of its flight
 /// remain. In this time it moves by at most one period of the box. So all periodic images of walls that it may reach
 /// are tested. The result is infinite if no wall has images, and in a sheared box.
 fn longest_piece(scene: &Scene, flight: &Flight, left: f64) -> f64 {
@@ -202,8 +202,8 @@ fn longest_piece(scene: &Scene, flight: &Flight, left: f64) -> f64 {
     periods.fold(f64::INFINITY, f64::min) / (flight.velocity.norm() + flight.gravity.norm() * left)
 }
 
-/// First touch of the single particle in the store `one` with one of the given walls within `until` [s] from now;
-/// `None` without a touch.
+/// First touch of the single particle in the particle store `one` with one of the given walls within `until` [s] from
+/// now; `None` without a touch.
 fn first_touch(one: &Particles, scene: &Scene, walls: &[u32], until: f64) -> Option<(Couple, Touch)> {
     let contacts = walls.iter().flat_map(|&wall| {
         (0..scene.walls[wall as usize].geometry.contacts()).map(move |which| Couple::at_wall(0, AtWall { wall, which }))

@@ -41,16 +41,16 @@ pub struct Dsmc {
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
 struct DsmcState {
     counters: Counters,
-    /// [1/s] mean collision rate of a particle, expected at the velocities before the last collisions; `None` before
-    /// the first step.
+    /// [1/s] mean collision rate of a particle, expected at the velocities before the last collisions. If the radii
+    /// differ, it is an upper limit. `None` before the first step.
     rate: Option<f64>,
-    /// [s] time for which particles have flown minus time for which they have collided so far; negative if collisions
-    /// are ahead of the flight.
+    /// [s] simulated time for which the particles have flown so far, minus that for which collisions have been
+    /// computed; negative if the collisions are ahead of the flight.
     owed: f64,
 }
 
-/// [m] edges of the cells of a run along the three axes, and mean free path. Each of the `groups` is a number of
-/// particles and their radius [m].
+/// [m] edges of the cells of a run along the three axes, and mean free path [m] of the particles. Each of the `groups`
+/// is a number of particles and their radius [m].
 pub fn cells_and_path(scene: &Scene, settings: &DsmcSettings, groups: &[(usize, f64)]) -> (Vector3<f64>, f64) {
     let sizes = RadiusSummary::among(groups);
     let cells = CollisionCells::new(scene, &sizes, settings);

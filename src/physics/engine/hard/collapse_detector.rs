@@ -44,17 +44,20 @@ pub struct Recent {
 /// Collision history of one particle.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct LastCollision {
-    /// Number of impacts of the particle since the last reset to 0. Engines reset it at the start of each window (time
-    /// between two exchanges with the gas), island or flight.
+    /// Number of impacts of the particle since the last reset to 0. The number is reset at the start of each window
+    /// (time between two exchanges with the gas). Islands (groups of particles that may meet) and collisions by chance
+    /// (DSMC) also reset the number within a window.
     pub impacts: u32,
     /// Number of successive impacts, each after a flight too short to be resolved; an impact after a longer flight sets
-    /// it to 0. In the event queue of all particles it goes on from window to window; in an island it begins at 0.
+    /// the number to 0. The event queue of all particles keeps it from window to window. In an island (group of
+    /// particles solved separately) it begins at 0.
     streak: u8,
     /// Number of successive resolvable flights of the particle, each shorter than the one before; at most 255. A longer
-    /// flight, or one too short to be resolved, sets it to 0. In an island it begins at 0.
+    /// flight, or one too short to be resolved, sets the number to 0. In an island (group of particles solved
+    /// separately) it begins at 0.
     shrinking: u8,
-    /// [m] time between the last two impacts of the particle, times the speed of approach at the last impact. It
-    /// measures the length of the flight relative to the other body.
+    /// [m] time between the last two impacts of the particle, times the speed of approach at the last impact. This
+    /// product measures the length of the flight relative to the body that was hit.
     flown: f64,
     /// [s] simulated time of the particle's last collision; minus infinity before its first collision.
     pub last: f64,
@@ -106,7 +109,7 @@ pub fn sliding(collision: &Collision, scene: &Scene) -> Option<f64> {
 #[derive(Clone, Copy, Debug)]
 pub struct Collapsed {
     /// Number of impacts of the particle in this window (time between two exchanges with the gas), without those in
-    /// islands that were solved before.
+    /// islands (groups of particles solved separately) before.
     pub impacts: u32,
     /// [s] time between the last two impacts of the particle.
     pub interval: f64,
@@ -130,7 +133,8 @@ impl Collapsed {
 /// Normal speed [m/s] away from the wall that the TC model gives to a particle at rest on a wall. In this model a
 /// collision is elastic if the particle collided less than the contact time t_c before. `None` if the particle does not
 /// rest, if the other body is no wall, or without t_c. A particle rests if gravity, or the acceleration of a moving
-/// wall, presses it to the wall, and if it would rise by an unresolvably small height.
+/// wall, presses it to the wall, and if its speed of approach is very small. With this speed it would rise from the
+/// wall by an unresolvably small height.
 ///
 /// Without t_c the particle would have infinitely many collisions in finite time. In reality a contact of finite
 /// duration carries the weight during its contact time. Here the particle rebounds at a_n t_c/4, with a_n the
@@ -149,8 +153,9 @@ pub fn rests(collision: &Collision, scene: &Scene, contact_time: Option<f64>) ->
 }
 
 /// Selects from the collision histories `met`, one per particle in the order of their indices, the particles that
-/// collided less than the contact time of the TC model before simulated time `now` [s]. Each is returned with the time
-/// of its last collision. Empty without a contact time.
+/// collided less than the contact time before simulated time `now` [s]. In the TC model, their next collision may be
+/// elastic for this reason. Each is returned with the time of its last collision. The result is empty without a contact
+/// time.
 pub fn recent<'a>(
     met: impl Iterator<Item = &'a LastCollision>,
     contact_time: Option<f64>,

@@ -13,7 +13,8 @@ use std::f64::consts::{PI, SQRT_2};
 const TOUCH: f64 = 40.0;
 
 /// [ns] cost per particle of building the neighbour list: sorting into cells, and looking for walls. The search for
-/// touching particles, by which islands are found, does the same work at the same cost.
+/// touching particles, by which islands (groups of particles that may meet) are found, does the same work at the same
+/// cost.
 const BUILD: f64 = 90.0;
 
 /// [ns] cost of comparing one pair of particles while the neighbour list is built, in double precision.
@@ -31,9 +32,9 @@ const DENSE: f64 = 0.2;
 ///
 /// Without drag the event queue remains valid from window to window, so it is used for dense systems. Drag changes
 /// velocities in every window, so all events would have to be predicted again. For particles of several sizes, the
-/// costs of islands and of the queue are compared, because islands of the largest spheres unite first. For spheres of
-/// one size the limit is infinite. In the cases of this project, islands cost 1 % to 70 % as much as a queue that is
-/// rebuilt in every window (70 %: dense gas, volume fraction 0.3).
+/// costs of islands and of the queue are compared, because islands of the largest spheres are the first to unite into
+/// large islands, which are costly. For spheres of one size the limit is infinite. In the cases of this project,
+/// islands cost 1 % to 70 % as much as a queue that is rebuilt in every window (70 %: dense gas, volume fraction 0.3).
 pub fn fallback_cost(
     population: &PopulationSummary,
     speeds: &SpeedSummary,
@@ -47,7 +48,7 @@ pub fn fallback_cost(
 }
 
 /// True if the predicted events of the event queue of all particles stay valid from one window to the next. They do not
-/// if velocities also change between windows, for instance by drag ([`Scene::is_kicked`]).
+/// stay valid if velocities also change between windows, for instance by drag ([`Scene::is_kicked`]).
 pub fn lasts(scene: &Scene) -> bool {
     !scene.is_kicked()
 }

@@ -31,9 +31,9 @@ pub fn impulse(surface: &Surface, effective_mass: f64, velocity: &Vector3<f64>, 
 
 /// Access of a collision to the particle store.
 pub enum ParticleAccess<'a> {
-    /// The store of a single thread, in which a collision changes spins.
+    /// Particle store that only one thread uses, so that a collision can change spins in the store.
     Exclusive(&'a mut Particles),
-    /// A store that several threads read at the same time. Spheres do not rotate then.
+    /// Particle store that several threads read at the same time. Spheres do not rotate in this case.
     Shared(&'a Particles),
 }
 
@@ -49,7 +49,7 @@ impl Deref for ParticleAccess<'_> {
 }
 
 impl ParticleAccess<'_> {
-    /// The store, whose spins may then be changed; `None` if other threads read the store at the same time.
+    /// Particle store, for a change of the spins; `None` if other threads read the store at the same time.
     fn exclusive(&mut self) -> Option<&mut Particles> {
         match self {
             Self::Exclusive(particles) => Some(particles),
@@ -66,8 +66,8 @@ pub struct Collision {
     /// Position and velocity of particle `i` relative to the other body. Rounding may cause a small overlap; in the
     /// engine with time steps the finite step causes a larger one.
     pub met: Encounter,
-    /// True if the collision loses no energy along the normal, whatever the surfaces. This is so in the TC model
-    /// (Luding and McNamara 1998, Granular Matter 1, 113) if one of the partners collided less than the contact time
+    /// True if the collision loses no energy along the normal, whatever the surfaces. In the TC model (Luding and
+    /// McNamara 1998, Granular Matter 1, 113) this is so if one of the partners collided less than the contact time
     /// before.
     pub elastic: bool,
     /// Species of particle `i`, and kind (species or wall) of the other body; they select restitution and friction.
@@ -75,8 +75,8 @@ pub struct Collision {
     /// Motion of the wall's surface at the point of contact: velocity, spin and accelerations. `None` if the other body
     /// is a particle.
     pub wall: Option<WallMotion>,
-    /// [m/s] velocity along z of the periodic image that particle `i` hits, relative to the other particle itself. It
-    /// is 0 unless the two particles meet across a sheared side of the box ([`Couple::image_velocity`]).
+    /// [m/s] velocity along z of the periodic image that particle `i` hits, relative to the particle of which it is an
+    /// image. It is 0 unless the two particles meet across a sheared side of the box ([`Couple::image_velocity`]).
     pub image: f64,
 }
 
@@ -263,9 +263,9 @@ impl Collision {
         }
     }
 
-    /// Adds to the ledger the impulse [kg m/s] that a wall gives to the particle. Also adds the change of the work of
-    /// gravity, **g**·`impulse` `remaining`, that this impulse causes until the end of the window, `remaining` [s]
-    /// later.
+    /// Adds to the ledger (sums of energies and impulses of the run) the impulse [kg m/s] that a wall gives to the
+    /// particle. Also adds the change of the work of gravity, **g**·`impulse` `remaining`, that this impulse causes
+    /// until the end of the window, `remaining` [s] later.
     fn book_wall_impulse(&self, impulse: &Vector3<f64>, scene: &Scene, remaining: f64, ledger: &mut Ledger) {
         ledger.wall_impulse += impulse;
         ledger.wall_normal_impulse += impulse.dot(&self.met.normal);

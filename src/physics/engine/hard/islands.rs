@@ -44,13 +44,15 @@ impl Solve for HardIslands {
         None
     }
 
-    /// Processes the collisions of the island one after the other, up to the time `end` [s]. Returns the local index of
-    /// a particle that became faster than its limit; `None` if no particle did. An inelastic collapse (infinitely many
-    /// collisions in finite time) is an error.
+    /// Processes the collisions of the island (group of particles that may meet) one after the other, up to the time
+    /// `end` [s] since the start of the part (interval of time). Returns the index, in the island, of a particle that
+    /// became faster than its limit; `None` if no particle did. An inelastic collapse (infinitely many collisions in
+    /// finite time) is an error.
     ///
     /// During this work the stored position of a particle is not its present position. It is the point where the
-    /// particle would have been at the start of the part if it had always flown with its present velocity. So `x(t) =
-    /// origin + v t` for every particle, and a collision changes only the data of its two partners.
+    /// particle would have been at the start of the part if it had always flown with its present velocity. So the
+    /// position at the time t is the stored point plus velocity times t. A collision then changes only the data of its
+    /// two partners.
     fn solve(
         &self,
         island: &mut Island<Recent>,
@@ -97,11 +99,11 @@ impl Solve for HardIslands {
     }
 }
 
-/// Event queue of an island, with the collision histories of its particles. The events are the touches of the
-/// candidates in the neighbour list: pairs, and particles with walls.
+/// Event queue of an island (group of particles that may meet), with the collision histories of its particles. The
+/// events are the touches of the candidates in the neighbour list: pairs, and particles with walls.
 #[derive(Clone, Default)]
 pub struct IslandEvents {
-    /// Queue of the coming touches, filled again for every island.
+    /// Queue of the coming touches, filled again for every island (group of particles that may meet).
     calendar: Calendar,
     /// Start of the entries of each particle in `adjacent`: the slots (numbers in the neighbour list) of particle `i`
     /// are `adjacent[first[i] .. first[i + 1]]`.
@@ -112,7 +114,8 @@ pub struct IslandEvents {
     /// For each candidate of a particle and a wall, the number of the surface feature (such as a triangle of a mesh)
     /// that the particle will touch next.
     features: Vec<u32>,
-    /// Collision history of each particle of the island, by which inelastic collapse is detected.
+    /// Collision history of each particle of the island, by which inelastic collapse (infinitely many impacts in finite
+    /// time) is detected.
     met: Vec<LastCollision>,
     /// Contact time t_c [s] of the TC model, in which a collision is elastic if either particle collided less than t_c
     /// before; `None` without this model.
@@ -120,8 +123,9 @@ pub struct IslandEvents {
 }
 
 impl IslandEvents {
-    /// Prepares the events of an island that is to be solved: the histories of its particles, and the first touch of
-    /// every candidate up to the time `end` [s] since the start of the part (interval of time).
+    /// Prepares the events of an island (group of particles that may meet) that is to be solved: the histories of its
+    /// particles, and the first touch of every candidate up to the time `end` [s] since the start of the part (interval
+    /// of time).
     fn begin(&mut self, island: &mut Island<Recent>, contact_time: Option<f64>, scene: &Scene, end: f64) {
         self.contact_time = contact_time;
         self.met.clear();
@@ -144,7 +148,7 @@ impl IslandEvents {
     }
 
     /// Moves all members of the island to the end of the part (interval of time), and stores the recent collisions that
-    /// the next part needs. `time` [s] is the simulated time at this end, and `end` [s] the time since the start of the
+    /// the next part needs. `time` [s] is the simulated time at the end of the part, and `end` [s] the length of the
     /// part.
     fn end(&self, island: &mut Island<Recent>, scene: &Scene, (time, end): (f64, f64)) {
         let particles = &mut island.particles;

@@ -36,7 +36,8 @@ pub type Hard = Driver<HardSolver>;
 /// Method by which the engine moves the particles through each window, the time between two exchanges with the gas.
 #[derive(Clone, Copy, PartialEq)]
 enum WindowMethod {
-    /// In each window, islands or one event queue, whichever has the lower estimated cost.
+    /// In each window, islands (groups of particles that may meet) or one event queue of all particles, whichever has
+    /// the lower estimated cost.
     Cheaper,
     /// Islands (groups of particles that may meet, each with an event queue of its own) whenever this is possible.
     Islands,
@@ -53,12 +54,12 @@ pub struct HardSolver {
     memory: Memory,
 }
 
-/// Data on earlier windows (times between two exchanges with the gas), by which the engine decides when to try islands
-/// again and when to rebuild the event queue of all particles.
+/// Data on earlier windows (times between two exchanges with the gas). With these data the engine decides when to try
+/// islands (groups of particles that may meet) again, and when to rebuild the event queue of all particles.
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
 struct Memory {
-    /// True if the event queue of all particles is outdated: since its last use, islands have moved or sorted the
-    /// particles, or a trial of islands has failed.
+    /// True if the event queue of all particles is outdated: since its last use, islands (groups of particles that may
+    /// meet) have moved or sorted the particles, or a trial of islands has failed.
     outdated: bool,
     /// Number of windows for which islands (groups of particles that may meet) were not tried after the last failed
     /// trial. A failed trial doubles it, from one up to [`LONGEST_STAY`], and a successful trial halves it.
@@ -71,7 +72,8 @@ struct Memory {
 /// trial of islands is costly: the neighbour lists and the events of all particles must be computed again.
 const LONGEST_STAY: u32 = 64;
 
-/// State of the engine between two windows, as stored in a snapshot of a run.
+/// State of the engine between two windows (times between two exchanges with the gas), as stored in a snapshot of a
+/// run.
 #[derive(Serialize, Deserialize)]
 pub struct HardState {
     calendar: GlobalCalendar,
@@ -162,7 +164,7 @@ impl Solver for HardSolver {
     }
 
     /// Does nothing. At the start of a window, the event queue of all particles compares the ids of its particles with
-    /// those in the store. If they differ, the queue is made anew, and keeps the collision histories.
+    /// those in the particle store. If the ids differ, the queue is made anew, and keeps the collision histories.
     fn repopulate(&mut self) {}
 
     /// Does nothing, because the recent collisions are returned at the end of each window in which all particles were

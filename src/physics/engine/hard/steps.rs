@@ -1,5 +1,5 @@
-//! Hard spheres with time steps: a method of the literature, to which the paper that docs/paper.md discusses refers. A
-//! window is the time between two exchanges with the gas.
+//! Hard spheres with time steps, a method of the literature. The paper that docs/paper.md discusses refers to this
+//! method. A window is the time between two exchanges with the gas.
 
 use super::impulse::Collision;
 use crate::clock::Clock;
@@ -19,11 +19,12 @@ use std::f64::consts::PI;
 /// wall) that overlap and approach each other receive the impulse of hard spheres. Positions are not corrected.
 ///
 /// The step is Δt < θ d/u_r (section 3.4 of the paper), with a chosen number θ, the smallest diameter d and the mean
-/// normal speed u_r = sqrt(8 q²/(3π)) of one particle relative to another. This is Eq. 8 of the paper, corrected: in
-/// the paper, q² is outside the square root. In each time window the step is computed from the agitation q², half the
-/// mean square of the velocities of all particles relative to their mean velocity along the walls. The method misses
-/// grazing collisions that begin and end within a step, computes collisions up to Δt late, and leaves overlaps. It is
-/// included to show these errors. Missed collisions are counted, and impacts record the overlaps.
+/// normal speed u_r = sqrt(8 q²/(3π)) of one particle relative to another. The formula for u_r is Eq. 8 of the paper,
+/// corrected: in the paper, q² is outside the square root. In each time window the step is computed from the agitation
+/// q², half the mean square of the velocities of all particles relative to their mean velocity along the walls. The
+/// method misses grazing collisions that begin and end within a step, computes collisions up to Δt too late, and leaves
+/// overlaps. The program includes it to show these errors. Missed collisions are counted, and impacts record the
+/// overlaps.
 pub struct SteppedHard {
     theta: f64,
     list: NeighbourList,
@@ -37,14 +38,14 @@ impl SteppedHard {
         Self { theta, list: NeighbourList::default(), slots: Vec::new(), counters: Counters::default() }
     }
 
-    /// Longest time step θ d/u_r [s], with the step criterion θ = `theta`, that the engine takes in a window of
-    /// `duration` [s], the time between two exchanges with the gas. It is infinite if no particle moves relative to
+    /// Longest time step θ d/u_r [s], with the step criterion θ = `theta`, that the engine takes in a window (time
+    /// between two exchanges with the gas) of `duration` [s]. The step is infinite if no particle moves relative to
     /// other particles or to a wall.
     ///
-    /// d is the smallest diameter, and u_r follows from the agitation of the velocities relative to their mean along
-    /// the walls. The mean velocity perpendicular to a wall is included, and the velocity that gravity adds until the
-    /// end of the window. So the step is also finite for a single falling sphere. The square of the largest speed of a
-    /// moving wall is added to the mean square of the velocities.
+    /// d is the smallest diameter. The mean relative speed u_r follows from the mean square of the velocities relative
+    /// to their mean along the walls. The mean velocity perpendicular to a wall is included, and so is the velocity
+    /// that gravity adds until the end of the window. So the step is also finite for a single falling sphere. The
+    /// square of the largest speed of a moving wall is added to the mean square of the velocities.
     pub fn longest_step(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
         let particles = &*particles.relative_to_flow(&scene.domain);
         let mean = along_walls(scene, particles.mean_velocity());
@@ -62,8 +63,8 @@ impl SteppedHard {
         (duration / longest - 1e-9).ceil().max(1.0)
     }
 
-    /// [-] factor θ in the criterion Δt = θ d/u_r, for the steps that a window of `duration` [s] really has. It is at
-    /// most `theta`, because a window has a whole number of steps.
+    /// [-] factor θ = Δt u_r/d of the steps Δt that a window of `duration` [s] really has, with the smallest diameter d
+    /// and the mean relative speed u_r. It is at most `theta`, because a window has a whole number of steps.
     pub fn theta_of_window(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
         let longest = Self::longest_step(theta, particles, scene, duration);
         theta * duration / (longest * Self::steps(longest, duration))

@@ -1,5 +1,5 @@
-//! Hybrid spheres: the touch of two bodies is an instantaneous impulse if no other body comes near, and a lasting
-//! contact otherwise.
+//! Hybrid spheres: the touch of two bodies is an instantaneous impulse (change of momentum) if no other body comes
+//! near, and a lasting contact otherwise.
 //!
 //! This rule is applied at the exact time of every touch. T_c is the time for which an isolated contact of the two
 //! bodies would last with the contact law, at their speed of approach u_n. The touch is an impulse, as of hard spheres,
@@ -37,17 +37,19 @@ use crate::particles::Particles;
 use crate::record::{LeftOut, Log};
 use crate::scene::Scene;
 
-/// Engine with impulses where two bodies meet alone, and with soft contacts elsewhere.
+/// Engine of hybrid spheres: a touch of two bodies is an instantaneous impulse if no other body is near, and a soft
+/// contact otherwise.
 pub type Hybrid = Driver<HybridSolver>;
 
-/// Solver of hybrid spheres. Islands are solved with impulses and local time steps, crowds (large islands) with uniform
-/// steps. All particles at once are moved by the soft engine.
+/// Solver of hybrid spheres. Islands (groups of particles that may meet) are solved with impulses and local time steps,
+/// crowds (large islands) with uniform steps. If all particles are moved at once, the soft engine moves them.
 pub struct HybridSolver {
     soft: SoftSolver,
     islands: HybridIslands,
 }
 
-/// Solver of islands of hybrid spheres: small ones by impulses and local steps, crowds (large ones) by uniform steps.
+/// Solver of islands (groups of particles that may meet) of hybrid spheres. Small islands are solved with impulses and
+/// local time steps, crowds (large islands) with uniform steps.
 pub struct HybridIslands {
     few: SoftIslands<Impulses>,
     many: Steps,
@@ -184,8 +186,8 @@ impl Solver for HybridSolver {
         scene: &Scene,
         window: Window,
     ) -> Option<f64> {
-        // both methods move crowds by uniform steps, so only the cost of the steps of all other particles is compared;
-        // the factor 2 includes the test of about one listed pair per particle
+        // islands and the classical algorithm both move crowds by uniform steps, so only the cost of the steps of all
+        // other particles is compared; the factor 2 includes the test of about one listed pair per particle
         self.soft.fallback_cost(population, speeds, scene, window).map(|of_all| 2.0 * of_all)
     }
 

@@ -1,8 +1,8 @@
-//! Test whether neighbours approach a particle, for four neighbours at the same time. It is part of the prediction of
-//! collisions by the event queue of all particles (the calendar).
+//! Test whether neighbours approach a particle, for four neighbours at the same time. The event queue of all particles
+//! (the calendar) uses the test to predict collisions.
 //!
-//! If the processor has vectors of four numbers (AVX2, tested at run time), the code uses them. Otherwise the code does
-//! the same operations one by one in the same order. So both results are equal bit for bit.
+//! If the processor has vectors of four numbers (AVX2, tested at run time), the code uses these vectors. Otherwise it
+//! does the same operations one by one in the same order. So both results are equal bit for bit.
 
 use super::next_events::FlightState;
 use crate::domain::Domain;
@@ -12,7 +12,7 @@ use crate::domain::Domain;
 pub struct ObservingParticle<'a> {
     /// Flight of the particle.
     pub flight: &'a FlightState,
-    /// [s] time since the epoch (zero of the calendar's time) up to which touches are of interest.
+    /// [s] time since the epoch (zero of the calendar's time) up to which touches are looked for.
     pub until: f64,
     /// [s] present time since the epoch (zero of the calendar's time).
     pub now: f64,
@@ -41,9 +41,10 @@ pub struct FourNeighbours {
     pub discriminant: [f64; 4],
 }
 
-/// [-] factor 2 in the test `gap` ≤ 2 `closing` t, in which t is the time from `start` to the limit of interest. A
-/// touch cannot occur earlier than `gap`/(2 `closing`) after `start`. The factor is slightly larger than 2 to allow for
-/// rounding, so that touches at equal times are all found.
+/// [-] factor 2 in the test `gap` ≤ 2 `closing` t, with the fields of [`FourNeighbours`]. Here t is the time from
+/// `start` to the time `until`, up to which touches are looked for. A touch cannot occur earlier than `gap`/(2
+/// `closing`) after `start`. The factor is slightly larger than 2 to allow for rounding, so that touches at equal times
+/// are all found.
 const TWICE: f64 = 2.0 * (1.0 + 1e-9);
 
 /// Array of four numbers: the values f(0), f(1), f(2) and f(3).
@@ -194,7 +195,7 @@ pub mod wide {
             let (avx, [a, b, c, d]) = (self.simd.avx, *others);
             let [x, y, z, time] = self.columns([index(a), index(b), index(c), index(d)]);
             let [u, v, w, _] = self.columns([speed(a), speed(b), speed(c), speed(d)]);
-            // the second operand, as the version without vectors, if neither time is later
+            // if both times are equal, the result is the second operand, as in the version without vectors
             let start = if self.is_latest { self.time } else { avx._mm256_max_pd(self.time, time) };
             let since = [start, avx._mm256_sub_pd(start, self.time), avx._mm256_sub_pd(start, time)];
             let zero = avx._mm256_setzero_pd();

@@ -10,19 +10,19 @@ use std::num::NonZeroU32;
 /// Link to a leaf (block of six indices): its number in the list of leaves, plus one; `None` at the end of a chain.
 type BinLink = Option<NonZeroU32>;
 
-/// A block of up to six indices of one bin, in half a cache line.
+/// A block of up to six particle indices of one bin (interval of time), in half a cache line.
 #[derive(Clone, Copy, Debug)]
 struct Leaf {
     indices: [u32; 6],
     count: u32,
-    /// Link to the next leaf of the bin; for an unused leaf, link to the next unused one.
+    /// Link to the next leaf (block of six indices) of the bin; for an unused leaf, link to the next unused leaf.
     next: BinLink,
 }
 
 /// Bins that contain particle indices; the event queue has one bin per interval of time.
 #[derive(Clone, Debug, Default)]
 pub struct Bins {
-    /// Link to the first leaf of each bin; all other leaves of the bin are full.
+    /// Link to the first leaf (block of six indices) of each bin; all other leaves of the bin are full.
     first: Vec<BinLink>,
     leaves: Vec<Leaf>,
     free: BinLink,

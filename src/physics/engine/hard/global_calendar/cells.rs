@@ -5,8 +5,8 @@ use crate::domain::Domain;
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// [-] bound on the rounding error of lengths in single precision (centres of shells, edges of the box), divided by the
-/// longest edge of the box.
+/// [-] bound on the rounding error of lengths in single precision (such as coordinates and edges of the box), divided
+/// by the longest edge of the box.
 pub const ROUNDING: f64 = 1e-6;
 
 /// Grid of cells with the centres of shells (balls in which neighbour lists are valid). Each cell has a linked list of
@@ -26,14 +26,16 @@ pub struct ShellGrid {
     half: [f32; 3],
     /// [m] bound on the rounding error of distances, which are computed in single precision.
     rounding: f32,
-    /// Start of the linked list of shell centres in each cell: a particle index plus one, or 0 if the cell is empty.
+    /// Start of the linked list of particles in each cell: the index of the first particle plus one, or 0 if the cell
+    /// is empty.
     first: Vec<AtomicNumber>,
-    /// Centre of the shell of each particle with its place in the linked list of its cell, by particle index.
+    /// Centre of the shell (ball in which the neighbour list is valid) of each particle, with its place in the linked
+    /// list of its cell, by particle index.
     spots: Vec<CellEntry>,
 }
 
-/// Number that several threads may read and write. It gives no order of other memory accesses: no two threads use one
-/// number at the same time.
+/// Number that several threads may read and write. The number does not order other memory accesses. No such order is
+/// needed, because no two threads use the same number at the same time.
 #[derive(Debug, Default)]
 struct AtomicNumber(AtomicU32);
 
@@ -128,14 +130,15 @@ impl ShellGrid {
         self.first.len()
     }
 
-    /// Number of the cell that contains the centre [m] of a shell.
+    /// Number of the cell that contains the point `centre` [m], the centre of a shell.
     #[inline]
     pub fn cell(&self, centre: &[f32; 3]) -> usize {
         let c = self.coordinates(&widened(centre));
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
-    /// Adds the centre [m] of a particle's shell to the cell that contains it; `index` is the index of the particle.
+    /// Adds the particle at `index` to the grid. `centre` [m] is the centre of its shell, the ball in which its
+    /// neighbour list is valid.
     pub fn put(&self, index: u32, centre: [f32; 3]) {
         let (first, spot) = (&self.first[self.cell(&centre)], &self.spots[index as usize]);
         spot.set_centre(centre);
@@ -143,7 +146,8 @@ impl ShellGrid {
         first.set(index + 1);
     }
 
-    /// Moves the centre [m] of a particle's shell from `old` to `new`; `index` is the index of the particle.
+    /// Moves the centre of the shell (ball in which the neighbour list is valid) of the particle at `index` from the
+    /// point `old` [m] to the point `new` [m].
     pub fn change(&self, index: u32, old: [f32; 3], new: [f32; 3]) {
         let (from, to) = (self.cell(&old), self.cell(&new));
         if from == to {
@@ -197,7 +201,7 @@ impl ShellGrid {
 
     /// Appends to `found` the indices of all particles whose shell centres may be within `reach` [m] of `centre`.
     /// Unlike [`near`](Self::near), the search looks at all cells within `reach`, which may exceed the edge of a cell.
-    /// Large shells search the grid of small ones in this way. Returns the number of centres checked.
+    /// For large particles, the grid of small particles is searched in this way. Returns the number of centres checked.
     pub fn near_by_far(&self, centre: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) -> u64 {
         let here = rounded(centre);
         let reach = reach as f32 + self.rounding;

@@ -27,7 +27,7 @@ pub fn order(particles: &Particles, domain: &Domain) -> Vec<u32> {
 }
 
 /// Inserts two zero bits after each of the lowest ten bits of a number. Three such numbers, one per axis, are then
-/// interleaved to the position along Morton's curve.
+/// combined to the position along Morton's curve.
 fn spread(bits: u32) -> u32 {
     let bits = (bits | bits << 16) & 0x0300_00ff;
     let bits = (bits | bits << 8) & 0x0300_f00f;

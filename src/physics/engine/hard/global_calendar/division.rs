@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-/// Division of the particles into parts. In the particle store, particles that are near in space have near indices, so
-/// each part fills a region of the box.
+/// Division of the particles into parts, one for each thread. In the particle store, particles that are near in space
+/// have near indices, so each part fills a region of the box.
 #[derive(Clone, Debug, Default)]
 pub struct Division {
     /// Index of the first particle of each part, followed by the number of all particles; empty if there is only one
@@ -18,12 +18,12 @@ impl Division {
         Self { bounds }
     }
 
-    /// Number of parts.
+    /// Number of parts into which the particles are divided, one for each thread.
     pub fn count(&self) -> usize {
         self.bounds.len().saturating_sub(1).max(1)
     }
 
-    /// Number of the part to which the particle at `index` belongs.
+    /// Number of the part (particles of one thread) to which the particle at `index` belongs.
     #[inline]
     pub fn number(&self, index: u32) -> usize {
         self.bounds

@@ -11,17 +11,17 @@ use super::next_events::NextEvents;
 use prefetch_index::prefetch_index;
 use std::cmp::Ordering;
 
-/// Intended number of events per bin of the near future. It is small enough for cheap insertion, and large enough that
-/// there are few bins.
+/// Intended number of events in each bin (interval of time) of the near future. It is small enough for cheap insertion,
+/// and large enough that there are few bins.
 const PER_BIN: usize = 32;
 
-/// Number of queued events over the number of bins in the ring, before the number of bins is rounded up to a power of
-/// two. It is less than [`PER_BIN`], since bins of later times contain fewer events. So the ring reaches at least about
-/// 64 times as far ahead as the first sixteenth of the events.
+/// Number of queued events divided by the number of bins (intervals of time) in the ring, before the number of bins is
+/// rounded up to a power of two. It is less than [`PER_BIN`], since bins of later times contain fewer events. So the
+/// ring reaches at least about 64 times as far ahead as the first sixteenth of the events.
 const PARTICLES_PER_BIN: usize = 8;
 
 /// An entry of the sorted list of near events. The entry is outdated if the time of the particle's next event has
-/// changed since.
+/// changed since the entry was made.
 #[derive(Clone, Copy, Debug)]
 struct QueuedEvent {
     /// Time [s] of the event since the epoch, the instant from which the event queue counts times.
@@ -58,18 +58,19 @@ impl EventTable<'_> {
     }
 }
 
-/// Event queue of all particles: a sorted list of near events, and unsorted bins of later ones. Times are counted from
-/// the instant called epoch.
+/// Event queue of all particles: a sorted list of near events, and unsorted bins (intervals of time) of later events.
+/// Times are counted from the instant called epoch.
 #[derive(Clone, Debug, Default)]
 pub struct EventQueue {
-    /// Events of the present bin and of earlier ones, sorted by time with the earliest at the end of the list.
+    /// Events of the present bin (interval of time) and of earlier bins, sorted by time with the earliest event at the
+    /// end of the list.
     near: Vec<QueuedEvent>,
     /// Ring of bins that cover successive equal intervals of time; each contains the indices of the particles with an
     /// event in its interval.
     bins: Bins,
-    /// Number of particle indices in all bins, outdated ones included.
+    /// Number of particle indices in all bins (intervals of time), outdated indices included.
     in_bins: usize,
-    /// Indices of particles whose events are too late for the bins of the ring, which covers a limited time ahead.
+    /// Indices of particles whose events are too late for the ring of bins, which covers only a limited time ahead.
     later: Vec<u32>,
     /// [1/s] number of bins per time, the inverse of the interval of a bin.
     rate: f64,
@@ -119,7 +120,7 @@ impl EventQueue {
         self.current = self.bin(now);
     }
 
-    /// Removes all entries, outdated ones included, and calls `each` with the index of the particle of every entry.
+    /// Removes all entries, outdated entries included, and calls `each` with the index of the particle of every entry.
     pub fn drain(&mut self, mut each: impl FnMut(u32)) {
         self.near.drain(..).for_each(|entry| each(entry.index));
         if self.in_bins > 0 {
@@ -198,8 +199,8 @@ impl EventQueue {
         self.near.len().checked_sub(after + 1).map(|at| self.near[at].index)
     }
 
-    /// Advances to the next bin that may contain events, and sorts the events of this bin into the list of near events.
-    /// Returns false if no event is queued.
+    /// Advances to the next bin (interval of time) that may contain events, and sorts the events of this bin into the
+    /// list of near events. Returns false if no event is queued.
     fn next_bin(&mut self, table: EventTable) -> bool {
         if self.in_bins == 0 {
             // continues with the first of the events that were too far ahead for the ring
@@ -230,8 +231,8 @@ impl EventQueue {
         true
     }
 
-    /// Prefetches into the processor's cache the events of the next bin, and the first particle indices of the bin
-    /// after it.
+    /// Prefetches into the processor's cache the events of the next bin (interval of time), and the first particle
+    /// indices of the bin after the next.
     fn fetch_ahead(&self, table: EventTable) {
         self.bins
             .indices(self.slot(self.current + 1))
@@ -239,7 +240,7 @@ impl EventQueue {
         self.bins.fetch(self.slot(self.current + 2));
     }
 
-    /// Moves the events that the ring now covers from the list `later` to the bins.
+    /// Moves the events whose times the ring of bins now covers from the list `later` to the bins.
     fn move_later_to_bins(&mut self, table: EventTable) {
         let (count, mut kept) = (self.later.len(), 0);
         for k in 0..count {

@@ -1,20 +1,22 @@
-//! Changes of neighbour lists after a particle has got a new shell, the ball in which its list is valid. A part is a set
-//! of particles with consecutive indices, whose events one thread processes.
+//! Changes of neighbour lists after a particle has got a new shell, the ball in which the neighbour list of the
+//! particle is valid. A part is a set of particles with consecutive indices, whose events one thread processes.
 
 use super::division::Division;
 use super::neighbour_lists::{NeighbourLists, lists_of, lists_of_mut};
 use super::next_events::NextEvents;
 use super::shells::Shell;
 
-/// Neighbour lists of one part of the particles, or of all particles, with the shells that say where the lists are.
+/// Neighbour lists of one part of the particles (those of one thread) or of all particles, with the entries that
+/// contain the locations of the lists.
 pub struct ListUpdate<'a> {
-    /// Division of all particles into parts.
+    /// Division of all particles into parts, one for each thread.
     pub division: &'a Division,
     /// Index of the first of these particles in the particle store.
     pub first: u32,
-    /// Entries of these particles, with their shells.
+    /// Entries of these particles, each with the location of the neighbour list (in its field `shell`).
     pub next_events: &'a mut [NextEvents],
-    /// Lists of this part, or of each part if these are all particles.
+    /// Neighbour lists of these particles: one item for a part (particles of one thread), or one item for each part if
+    /// these are all particles.
     pub lists: &'a mut [NeighbourLists],
 }
 
@@ -59,8 +61,8 @@ impl ListUpdate<'_> {
         *self.shell(index) = shell;
     }
 
-    /// Makes a change that the thread of another part has asked for, unless the list is as wanted already: the particle
-    /// may have got a new list at the same time.
+    /// Makes a change that the thread of another part has asked for. Does nothing if the list is already as wanted,
+    /// because the particle has got a new list at the same time.
     pub fn apply(&mut self, change: ListChange) {
         let shell = *self.shell(change.of);
         let near = lists_of(self.lists, self.division, change.of).neighbours(&shell);
@@ -69,8 +71,8 @@ impl ListUpdate<'_> {
         }
     }
 
-    /// Makes a change to a list of these particles. The change is appended to `elsewhere` if the list belongs to another
-    /// particle.
+    /// Makes a change to a neighbour list of these particles. The change is appended to `elsewhere` instead if the list
+    /// belongs to a particle of another part.
     #[inline]
     fn change(&mut self, change: ListChange, elsewhere: &mut Vec<ListChange>) {
         let ListChange { of, other, is_added, across } = change;

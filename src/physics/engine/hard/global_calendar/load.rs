@@ -28,7 +28,7 @@ use std::cmp::Ordering;
 use std::f64::consts::{PI, SQRT_2};
 
 /// Number of times that the fastest particle may cross the box between two epochs, the instants from which times are
-/// counted. Over a longer time the rounding of times would matter as much as that of positions.
+/// counted. Over a longer time the rounding errors of times would matter as much as those of positions.
 const CROSSINGS: f64 = 8.0;
 
 /// [-] distance that the frame may move towards a wall between two epochs (instants from which times are counted) while
@@ -44,8 +44,8 @@ const FEWEST: usize = 100;
 /// the layer. Above this value the frame follows the layer from the next window on.
 const LEFT_BEHIND: f64 = 2.0;
 
-/// Number of collisions per particle after which the particles in the store are sorted again. By then, particles near
-/// in memory are no longer near in space. The number of new shells would be a better measure of this motion, but it
+/// Number of collisions per particle after which the particle store is sorted again. By then, particles near in memory
+/// are no longer near in space. The number of new neighbour lists would be a better measure of this motion, but it
 /// depends on the number of threads.
 const SORT_AFTER: u64 = 40;
 
@@ -62,7 +62,8 @@ enum Change {
 
 impl GlobalCalendar {
     /// Prepares a window (time between two exchanges with the gas): adopts changes of the particle store since the last
-    /// window, and queues the events of this one. `outdated` is true if islands have moved particles since then.
+    /// window, and queues the events of the new window. `outdated` is true if islands (groups of particles that may
+    /// meet) have moved particles since the last call.
     pub(super) fn begin(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         let scene = work.scene;
         if !self.ready {
@@ -118,8 +119,8 @@ impl GlobalCalendar {
         self.pair_checks += touch_times.sum::<u64>();
     }
 
-    /// Updates `Shell::across` of each particle: true if a periodic image of a neighbour may be nearer than the
-    /// neighbour itself. This is needed after flights have been shifted by whole periods.
+    /// Updates `Shell::across` of each particle, which is true if a periodic image of a neighbour may be nearer than
+    /// the neighbour itself. The update is needed after flights have been shifted by whole periods.
     fn find_images(&mut self, scene: &Scene) {
         for index in 0..self.next_events.len() as u32 {
             let particles = ParticleRange { first: 0, bodies: &self.bodies, next_events: &self.next_events };
@@ -207,8 +208,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Frees the memory of flights, events, collision histories, shells and neighbour lists, before they are made again
-    /// or at the end of a run.
+    /// Frees the memory of flights, events, collision histories and neighbour lists, before these are made again or at
+    /// the end of a run.
     pub fn forget(&mut self) {
         (self.bodies, self.next_events, self.last_collisions) = (Vec::new(), Vec::new(), Vec::new());
         self.queue = EventQueue::default();
@@ -217,8 +218,8 @@ impl GlobalCalendar {
     }
 
     /// Builds the calendar anew: sorts the particle store along a curve through the box, copies the flights of the
-    /// particles, and makes shells and neighbour lists. `met` contains the collision histories by id, and `start` [s]
-    /// is the simulated time.
+    /// particles, and makes shells (balls in which neighbour lists are valid) and neighbour lists. `met` contains the
+    /// collision histories by id, and `start` [s] is the simulated time.
     fn load(
         &mut self,
         particles: &mut Particles,
@@ -294,13 +295,13 @@ impl GlobalCalendar {
         self.set_limit(work.particles, work.scene, start)
     }
 
-    /// Chooses when the next epoch begins, the instant from which times are then counted. The largest speed, the motion
-    /// of the frame towards walls, and moving walls limit the time until then. `start` [s] is the simulated time.
-    /// Returns an error if a velocity is not a finite number.
+    /// Chooses the time at which the next epoch begins, the instant from which times are then counted. The largest
+    /// speed, the motion of the frame towards walls, and moving walls limit the time until then. `start` [s] is the
+    /// simulated time. Returns an error if a velocity is not a finite number.
     fn set_limit(&mut self, particles: &Particles, scene: &Scene, start: f64) -> Result<(), Failure> {
         let before = self.limit;
         let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, |a: f64, b| {
-            // the second test is needed because a comparison with a NaN is false
+            // the second test finds a NaN, with which every comparison is false
             if b > a || b.is_nan() { b } else { a }
         });
         if !fastest.is_finite() {
@@ -418,8 +419,9 @@ fn kinds(particles: &Particles) -> Vec<RadiusClass> {
     kinds
 }
 
-/// Divides particles into groups in which the largest radius is at most twice the smallest, as the grids of shells do.
-/// Returns for each group the number density [1/m³] in the volume `volume` [m³], and the largest diameter [m].
+/// Divides particles into groups in which the largest radius is at most twice the smallest, as in the grids of
+/// `ShellLevel`. Returns for each group the number density [1/m³] in the volume `volume` [m³], and the largest diameter
+/// [m].
 fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f64, f64)> {
     let mut counts = vec![0u32; kinds.len()];
     for body in bodies {

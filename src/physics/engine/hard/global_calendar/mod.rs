@@ -1,10 +1,11 @@
 //! The global calendar: one event queue for all particles, which lasts from one time window to the next.
 //!
 //! For every particle the calendar stores the earliest two events. An event is a touch, or the exit from the particle's
-//! shell (a ball in which its neighbour list is valid). The events of a particle are predicted again after its
-//! collision, or when the partner of its next event has collided meanwhile. A window is the time between two exchanges
-//! of momentum with the gas; its end changes no event. Each flight is stored with a separate time, so a collision moves
-//! only two particles and tests their neighbours. Times are counted from an instant called *epoch*.
+//! shell (a ball in which its neighbour list is valid). The events of a particle are predicted again after the particle
+//! has collided, or when the partner of its next event has collided meanwhile. A window is the time between two
+//! exchanges of momentum with the gas; the end of a window changes no event. Each flight is stored with a separate
+//! time, so a collision moves only two particles and tests their neighbours. The calendar counts times from an instant
+//! called *epoch*.
 //!
 //! The calendar stores a copy of the flights, in a falling frame, and writes positions and velocities to the particle
 //! store at the end of each window. If velocities in the store have changed when the next window begins, for instance
@@ -56,8 +57,8 @@ use shells::Shells;
 use std::time::Duration;
 use walls::WallContacts;
 
-/// View of those data of a calendar that no event changes ([`CalendarView`]). It is a macro, so that the other data of
-/// the calendar can be changed at the same time.
+/// Makes a view of those data of a calendar that no event changes ([`CalendarView`]). A macro borrows single fields, so
+/// that the other data of the calendar can be changed at the same time.
 macro_rules! view_of {
     ($calendar:expr, $scene:expr) => {
         $crate::engine::hard::global_calendar::view::CalendarView {
@@ -80,7 +81,7 @@ macro_rules! view_of {
 }
 use view_of;
 
-/// All particles of a calendar as one [`Part`], whose events one thread processes.
+/// Makes one [`Part`] of all particles of a calendar, whose events one thread then processes.
 macro_rules! whole_of {
     ($calendar:expr, $around:expr, $particles:expr, $log:expr, $span:expr) => {
         $crate::engine::hard::global_calendar::part::Part {
@@ -144,7 +145,7 @@ pub struct GlobalCalendar {
     /// finite time) is detected.
     last_collisions: Vec<LastCollision>,
     shells: Shells,
-    /// Neighbour lists of each part of the particles.
+    /// Neighbour lists of the particles, one item for each thread that processes events.
     lists: Vec<NeighbourLists>,
     /// Time [s] since the epoch (zero of the calendar's time) until which neighbour lists across the sheared sides of
     /// the box are valid, since images slide there; infinite without shear.
@@ -156,29 +157,31 @@ pub struct GlobalCalendar {
     sorted_at: u64,
     /// Number of collisions that the event queue has processed so far.
     pub events: u64,
-    /// Number of touch times and of distances between shells computed so far.
+    /// Number of touch times computed so far, plus that of distances between shells (balls in which neighbour lists are
+    /// valid).
     pair_checks: u64,
     /// Number of times that the event queue of all particles, with all neighbour lists, was built so far.
     pub builds: u64,
     /// Wall-clock time that building the event queue and all neighbour lists has taken so far.
     pub building: Duration,
-    /// Event queue of all particles. While several threads share the events, it holds those that concern several parts.
+    /// Event queue of all particles. While several threads share the events, it holds only the events of particles that
+    /// belong to different threads.
     #[serde(skip)]
     queue: EventQueue,
     /// Parts of the particles whose events the threads process; empty while one thread processes all events.
     #[serde(skip)]
     parts: Vec<PartState>,
-    /// Data of those events in a round (piece of time in which several threads process events) that concern several
-    /// parts.
+    /// Data of those events in a round (piece of time in which several threads process events) whose particles belong
+    /// to different threads.
     #[serde(skip)]
     border: Round,
-    /// [m] distance to the surface of its shell at which a particle is to get a new shell. The particle may fly on by
-    /// this distance during a round (piece of time in which several threads process events); new shells are made after
-    /// the round.
+    /// [m] distance to the surface of its shell (ball in which its neighbour list is valid) at which a particle is to
+    /// get a new shell. The particle may fly on by this distance during a round (piece of time in which several threads
+    /// process events). New shells are made after the round.
     #[serde(skip)]
     slack: f64,
-    /// [s] length of the time, after the next exit of a particle from its shell, in which touches of the particle are
-    /// still predicted; used while several threads share the events.
+    /// [s] length of the time, after the exit of a particle from its shell (ball in which its neighbour list is valid),
+    /// in which touches of the particle are still predicted. It is used while several threads share the events.
     #[serde(skip)]
     grace: f64,
     /// [m/s] speed that no particle may exceed in a round (piece of time in which several threads process events).
@@ -187,10 +190,12 @@ pub struct GlobalCalendar {
     /// [s] length of a round (piece of time in which several threads process events).
     #[serde(skip)]
     round: f64,
-    /// [s] time since the epoch (zero of the calendar's time) at which new shells were last made between rounds.
+    /// [s] time since the epoch (zero of the calendar's time) at which new shells (balls in which neighbour lists are
+    /// valid) were last made between two rounds.
     #[serde(skip)]
     renewed_at: f64,
-    /// Number of times that new shells have been made between rounds since the particles were divided into parts.
+    /// Number of times that new shells (balls in which neighbour lists are valid) have been made between two rounds
+    /// since the particles were divided among the threads.
     #[serde(skip)]
     renewals: u32,
     #[serde(skip)]
@@ -208,7 +213,7 @@ pub struct GlobalCalendar {
 }
 
 /// A window (time between two exchanges with the gas), with its end in simulated time and in the time of the calendar,
-/// which is counted from the epoch.
+/// which is counted from an instant called epoch.
 #[derive(Clone, Copy)]
 struct CalendarWindow {
     window: Window,
@@ -234,8 +239,8 @@ impl GlobalCalendar {
     /// are then taken from `work.lasting`, which contains recent collisions only.
     ///
     /// # Errors
-    /// Inelastic collapse, or velocities that are not finite numbers; the store then contains the state at the time of
-    /// the error.
+    /// Inelastic collapse, or velocities that are not finite numbers; `work.particles` then contains the state at the
+    /// time of the error.
     pub fn run(&mut self, work: &mut Work<Recent>, window: Window, outdated: bool) -> Result<(), Failure> {
         self.begin(work, window, outdated)?;
         for met in &mut self.last_collisions {
@@ -270,7 +275,7 @@ impl GlobalCalendar {
         }
     }
 
-    /// Processes all events up to the time `stop` [s] since the epoch by one thread.
+    /// Processes by one thread all events up to the time `stop` [s] since the epoch (zero of the calendar's time).
     fn one_after_the_other(&mut self, work: &mut Work<Recent>, span: CalendarWindow, stop: f64) -> Result<(), Failure> {
         if !self.parts.is_empty() {
             self.fill_queue();
@@ -300,7 +305,8 @@ impl GlobalCalendar {
         recent(self.last_collisions.iter(), self.contact_time, time)
     }
 
-    /// Number of touch times and of distances between shells computed so far, as a measure of work.
+    /// Number of touch times computed so far, plus that of distances between shells (balls in which neighbour lists are
+    /// valid), as a measure of work.
     pub fn pair_checks(&self) -> u64 {
         self.pair_checks
     }

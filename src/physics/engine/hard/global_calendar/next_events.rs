@@ -50,7 +50,7 @@ pub enum EventKind {
     Wall(u32),
     /// The particle leaves its shell (the ball in which its neighbour list is valid), so it needs a new list.
     LeaveShell,
-    /// No event up to the end of prediction; events must then be predicted again.
+    /// No event happens up to the time at which prediction ends; at this time, events must be predicted again.
     Predict,
 }
 
@@ -61,8 +61,8 @@ pub enum EventKind {
 pub struct NextEvents {
     /// [s] time of the next event since the epoch (zero of time); infinite if there is none.
     pub time: f64,
-    /// [s] time of the second event since the epoch (zero of time). It is not later than `time` if no second event is
-    /// stored.
+    /// [s] time of the second event since the epoch (zero of time). If no second event is stored, this time is not
+    /// later than `time`.
     pub second_time: f64,
     /// Kind of the next event of the particle.
     pub kind: EventKind,
@@ -72,7 +72,8 @@ pub struct NextEvents {
     /// Detail of the next event. For a pair it is the partner's number of collisions when the event was predicted. For
     /// a wall it is the number of the surface feature (such as a triangle) that is touched.
     pub detail: u32,
-    /// Detail of the second event: number of collisions of the partner, or number of the surface feature of the wall.
+    /// Detail of the second event: the partner's number of collisions, or the number of the surface feature (such as a
+    /// triangle) of the wall.
     pub second_detail: u32,
     /// Shell of the particle, the ball in which its neighbour list is valid.
     pub shell: Shell,
@@ -93,16 +94,16 @@ impl NextEvents {
         }
     }
 
-    /// True if a second event is stored. It replaces the next event if the partner of the next event has collided
-    /// before.
+    /// True if a second event is stored. The second event replaces the next event if the partner of the next event has
+    /// collided before.
     #[inline]
     pub fn has_second(&self) -> bool {
         self.second_time > self.time
     }
 
     /// Puts a touch with the particle that has the index `partner` before the next event, which becomes the second
-    /// event. `time` [s] since the epoch is the time of the touch, and `detail` the partner's number of collisions so
-    /// far.
+    /// event. `time` [s] since the epoch (zero of time) is the time of the touch, and `detail` the partner's number of
+    /// collisions so far.
     pub fn put_first(&mut self, time: f64, partner: u32, detail: u32) {
         (self.second_time, self.second_kind, self.second_detail) = (self.time, self.kind, self.detail);
         (self.time, self.kind, self.detail) = (time, EventKind::Pair(partner), detail);

@@ -1,13 +1,15 @@
 //! Search in the old neighbour list of a particle whose list is made again.
 
-/// Old neighbour list of a particle, with a hash table of its entries. Most old neighbours are new ones too; the table
-/// finds those that are not, in a time proportional to the length of the list.
+/// Old neighbour list of a particle, with a hash table of its entries. Most old neighbours are also new neighbours.
+/// With the table, the other ones are found in a time proportional to the length of the list.
 #[derive(Clone, Debug, Default)]
 pub struct OldNeighbours {
-    /// Indices of the old neighbours; the index of the particle itself in place of those that are new neighbours too.
+    /// Indices of the old neighbours. Each one that is also a new neighbour is replaced by the index of the particle to
+    /// which the list belongs.
     indices: Vec<u32>,
-    /// Open-addressing hash table: for each used slot, the place of an old neighbour in `indices`, plus one. Its size is
-    /// a power of two, and more than twice the number of old neighbours.
+    /// Hash table with open addressing. Each used slot contains the place of an old neighbour in `indices`, plus one;
+    /// unused slots contain 0. The size of the table is a power of two, and more than twice the number of old
+    /// neighbours.
     slots: Vec<u32>,
 }
 
@@ -48,7 +50,7 @@ impl OldNeighbours {
         self.indices.iter().copied().filter(move |index| *index != own)
     }
 
-    /// Slots in which `index` may be, in the order of the search.
+    /// Slots of the hash table in which `index` may be, in the order of the search.
     #[inline]
     fn slots_of(&self, index: u32) -> impl Iterator<Item = usize> + use<> {
         let size = self.slots.len();

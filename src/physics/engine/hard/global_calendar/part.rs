@@ -1,5 +1,6 @@
-//! Events of particles with consecutive indices: of all particles, or of the part of them that one thread processes.
-//! Times are counted from the epoch, the zero of the calendar's time. The calendar is the event queue of all particles.
+//! Events of a part of the particles: of the particles that one thread treats, or of all particles. The particles of a
+//! part have consecutive indices. Times are counted from the epoch, the zero of the calendar's time. The calendar is
+//! the event queue of all particles.
 
 use super::event_queue::{EventQueue, EventTable};
 use super::neighbour_lists::{NeighbourLists, lists_of};
@@ -25,13 +26,13 @@ pub struct EventCounts {
     pub pair_checks: u64,
 }
 
-/// Particles with consecutive indices, whose events are processed by one thread in the order of time.
+/// A part of the particles, with consecutive indices, whose events one thread processes in the order of time.
 pub struct Part<'a> {
     /// Data that no event changes.
     pub around: &'a CalendarView<'a>,
     /// The particle store, with the species of all particles.
     pub particles: ParticleAccess<'a>,
-    /// Index of the first particle of the part in the particle store.
+    /// Index, in the particle store, of the first particle of this part.
     pub first: u32,
     /// Flights of the particles.
     pub bodies: &'a mut [FlightState],
@@ -39,24 +40,27 @@ pub struct Part<'a> {
     pub next_events: &'a mut [NextEvents],
     /// Collision history of each particle.
     pub last_collisions: &'a mut [LastCollision],
-    /// Neighbour lists of this part of the particles, or of each part if these are all particles.
+    /// Neighbour lists of the particles: one item for this part, or one item for each part if this is the part of all
+    /// particles.
     pub lists: &'a mut [NeighbourLists],
     /// Event queue of the particles.
     pub queue: &'a mut EventQueue,
     /// [s] present time since the epoch (zero of the calendar's time).
     pub now: f64,
-    /// The present window, by which times since the epoch are converted to simulated times.
+    /// The present window. With it, times since the epoch (zero of the calendar's time) are converted to simulated
+    /// times.
     pub span: CalendarWindow,
     /// Log of the collisions.
     pub log: &'a mut Log,
-    /// Numbers of collisions and of tested pairs since the part was made.
+    /// Numbers of collisions and of tested pairs since this part of the particles was set up.
     pub counts: EventCounts,
-    /// The round in which several threads process events; `None` if only one thread does.
+    /// The present round, a piece of time in which several threads process events; `None` if only one thread does.
     pub round: Option<&'a mut Round>,
 }
 
 impl Part<'_> {
-    /// Place in the lists of this part, such as `bodies`, of the particle with the index `index` in the particle store.
+    /// Place, in the lists of this part such as `bodies`, of the particle that has the index `index` in the particle
+    /// store. The place is beyond the end of the lists if the particle belongs to another part.
     #[inline(always)]
     pub fn place(&self, index: u32) -> usize {
         index.wrapping_sub(self.first) as usize
@@ -67,14 +71,15 @@ impl Part<'_> {
         &self.bodies[self.place(index)]
     }
 
-    /// Neighbour lists of the part to which the particle at `index` belongs.
+    /// Neighbour lists of the part (particles of one thread) to which the particle at `index` belongs.
     #[inline(always)]
     fn lists_of(&self, index: u32) -> &NeighbourLists {
         lists_of(self.lists, &self.around.shells.parts, index)
     }
 
     /// Removes the earliest event from the queue, and makes its time the present time. Returns the index of the
-    /// particle that has this event; `None` if no event is earlier than `before` [s] since the epoch.
+    /// particle that has this event; `None` if no event is earlier than `before` [s] since the epoch (zero of the
+    /// calendar's time).
     #[inline]
     pub fn next(&mut self, before: f64) -> Option<u32> {
         let table = EventTable { first: self.first, next_events: self.next_events, ids: self.around.ids };
@@ -84,9 +89,9 @@ impl Part<'_> {
         Some(index)
     }
 
-    /// Processes the events before the time `stop` [s] since the epoch, and then returns `None`. Returns early with the
-    /// index of a particle that leaves its shell (ball in which its neighbour list is valid) and therefore needs a new
-    /// one. `before` is the number of collisions of the run so far.
+    /// Processes the events before the time `stop` [s] since the epoch (zero of the calendar's time), and then returns
+    /// `None`. Returns early with the index of a particle that leaves its shell (ball in which its neighbour list is
+    /// valid) and therefore needs a new one. `before` is the number of collisions of the run so far.
     pub fn run(&mut self, stop: f64, record: &mut Record, before: u64) -> Result<Option<u32>, Failure> {
         while let Some(index) = self.next(stop) {
             let collisions = self.counts.collisions;
@@ -148,10 +153,10 @@ impl Part<'_> {
     }
 
     /// Processes the next event of the particle at `index`. Returns true, without a prediction, if the particle leaves
-    /// its shell (ball in which its neighbour list is valid) and needs a new one at once. If the partner of a touch has
-    /// collided meanwhile, the event is void, and the second event replaces it if one is stored. The second event also
-    /// follows an exit from a shell during a round (piece of time shared by threads). Otherwise the next events of the
-    /// particles that took part are predicted.
+    /// its shell (ball in which its neighbour list is valid) and needs a new shell at once. If the partner of a touch
+    /// has collided meanwhile, the event is void. The stored second event then becomes the next event, if there is one.
+    /// The same is done after an exit from a shell during a round (piece of time shared by threads), if the particle
+    /// must wait for its new shell. In all other cases, the next events of the particles that took part are predicted.
     #[inline]
     pub fn event(&mut self, index: u32) -> Result<bool, Failure> {
         let place = self.place(index);
@@ -183,7 +188,7 @@ impl Part<'_> {
             EventKind::Pair(_) | EventKind::Predict => {
                 if let Some(round) = &mut self.round {
                     round.undo.note(index);
-                    // the partner has collided, but perhaps after this touch
+                    // the partner has collided, but perhaps later than the time of this touch
                     let partner = if let EventKind::Pair(j) = kind { j } else { index };
                     round.note_order(self.bodies[(partner - self.first) as usize].time, self.now);
                 }

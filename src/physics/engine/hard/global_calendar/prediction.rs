@@ -48,8 +48,8 @@ impl Events {
     }
 }
 
-/// Number of groups of four neighbours that are tested before times of touch are computed for the neighbours that come
-/// near.
+/// Number of groups of four neighbours that are tested at once. After that, times of touch are computed for the
+/// neighbours of these groups that come near.
 const AT_ONCE: usize = 4;
 
 /// [-] smallest resolvable speed of approach, divided by the sum of the speeds of both particles. A slower approach is
@@ -79,10 +79,10 @@ impl<'a> Flights<'a> {
         self.bodies.get(index.wrapping_sub(self.first) as usize)
     }
 
-    /// Tests if a particle with the flight `body` and the particle `j` may have touched after the time `start` [s], but
-    /// before the later of their present flights began. Predictions from the present flights miss such a touch. Returns
-    /// the start [s] of the later flight, or `None` if such a touch is impossible. `speed` [m/s] is an upper limit of
-    /// all speeds. Times are counted from the epoch (zero of the calendar's time).
+    /// Tests whether a particle with the flight `body` and the particle `j` may have touched after the time `start`
+    /// [s], but before the later of their present flights began. A prediction from the present flights would miss such
+    /// a touch. Returns the start [s] of the later flight, or `None` if such a touch is impossible. `speed` [m/s] is an
+    /// upper limit of all speeds. Times are counted from the epoch (zero of the calendar's time).
     #[inline]
     pub fn may_have_touched(&self, body: &FlightState, j: u32, start: f64, speed: f64) -> Option<f64> {
         let other = self.get(j)?;
@@ -95,7 +95,7 @@ impl<'a> Flights<'a> {
     }
 
     /// Predicts the next two events of the particle with the flight `body`, and writes them into its entry `events`.
-    /// `lists` are the neighbour lists of its part.
+    /// `lists` are the neighbour lists of its part, the particles of one thread.
     #[inline]
     pub fn predict_into(&self, body: &FlightState, events: &mut NextEvents, lists: &NeighbourLists) {
         let Events { first, second } = self.next_events(body, &events.shell, lists);
@@ -108,9 +108,9 @@ impl<'a> Flights<'a> {
         (events.detail, events.second_detail) = (detail(&first), detail(&second));
     }
 
-    /// Finds the earliest two events of a particle. The candidates are the exit from its shell (ball in which its
-    /// neighbour list is valid), the end of prediction, and all touches. If no other event comes before the end of
-    /// prediction, both events are this end.
+    /// Finds the earliest two events of a particle. The candidates are all touches, the exit from its shell (ball in
+    /// which its neighbour list is valid), and the end of prediction (time up to which events are predicted). If no
+    /// other event comes before the end of prediction, both events are this end.
     #[inline]
     fn next_events(&self, body: &FlightState, shell: &Shell, lists: &NeighbourLists) -> Events {
         let around = self.around;
@@ -165,7 +165,7 @@ impl<'a> Flights<'a> {
     }
 
     /// Adds to `events` the coming touches of a particle with the nearest images of its neighbours. If the processor
-    /// has vector instructions for four numbers, they are used.
+    /// has vector instructions for four numbers, the function uses them.
     #[inline]
     fn touches(&self, body: &FlightState, shell: &Shell, neighbours: &[[u32; 4]], events: &mut Events) {
         let domain = &self.around.scene.domain;
@@ -195,8 +195,8 @@ impl<'a> Flights<'a> {
 
     /// Adds to `events` the coming touches of a particle with its neighbours. The function `test` takes four neighbours
     /// and the squared distances [m²] of the centres at touch. It marks the neighbours that may touch soon enough; only
-    /// for these a time of touch is computed. Marking needs no branches, of which the processor would mispredict every
-    /// second one.
+    /// for these, times of touch are computed. Marking needs no branches; the processor would mispredict every second
+    /// branch.
     #[inline(always)]
     fn touches_by(
         &self,
@@ -249,7 +249,7 @@ impl<'a> Flights<'a> {
         }
     }
 
-    /// Adds to `events` the coming touches of a particle with all images of its neighbours. These are needed near
+    /// Adds to `events` the coming touches of a particle with all images of its neighbours. All images are needed near
     /// sheared sides, and in a box so short that images other than the nearest may touch. The times of touch are
     /// computed from the present positions.
     fn all_images(&self, body: &FlightState, neighbours: &[u32], events: &mut Events) {

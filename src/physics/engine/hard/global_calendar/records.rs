@@ -1,5 +1,5 @@
-//! Amounts that collisions add to the ledger (sums of energies and momenta of a run), in the order of time. They are
-//! stored for one round, a piece of time in which several threads process events.
+//! Amounts that collisions add to the ledger (sums of energies and momenta of a run), in the order of time. The amounts
+//! are stored for one round, a piece of time in which several threads process events.
 
 use super::{append, is_full};
 use crate::engine::hard::impulse::Collision;
@@ -12,7 +12,8 @@ use std::cmp::Ordering;
 enum Amounts {
     /// Virial [J], loss by restitution [J] and loss by friction [J] of a collision of two particles.
     Pair(Matrix3<f64>, f64, f64),
-    /// Amounts of any kind, for a collision with a wall, or one that the TC model makes elastic.
+    /// Amounts of any kind, for a collision with a wall, or for one that the TC model makes elastic, since it follows
+    /// soon after another one.
     Any(Box<Ledger>),
 }
 
@@ -26,16 +27,17 @@ struct CollisionRecord {
     amounts: Amounts,
 }
 
-/// Collisions of a part of the particles in a round, in the order of time.
+/// Collisions of a part of the particles (those of one thread) in a round (piece of time shared by threads), in the
+/// order of time.
 #[derive(Clone, Debug, Default)]
 pub struct Records {
     collisions: Vec<CollisionRecord>,
 }
 
 impl Records {
-    /// Moves the amounts of one collision from the ledger of `log` to this list. The impact stays in the log. The
-    /// collision was the next event of the particle with the id `id`, at `time` [s] since the epoch (zero of the
-    /// calendar's time).
+    /// Moves the amounts of one collision from the ledger of `log` (sums of energies and momenta) to this list. The
+    /// impact itself stays in the log. The collision was the next event of the particle with the id `id`, at `time` [s]
+    /// since the epoch (zero of the calendar's time).
     #[inline]
     pub fn take(&mut self, time: f64, id: u32, collision: &Collision, log: &mut Log) {
         let ledger = &mut log.ledger;
@@ -55,9 +57,9 @@ impl Records {
         self.collisions.clear();
     }
 
-    /// Adds the amounts of the collisions of all lists to the ledger of `log`, in the order of time, as if one thread
-    /// had processed all collisions. If the log is full, it is added to the record of the run. `before` is the number
-    /// of collisions of the run before these.
+    /// Adds the amounts of the collisions of all lists to the ledger of `log` (sums of energies and momenta), in the
+    /// order of time, as if one thread had processed all collisions. If the log is full, it is added to the record of
+    /// the run. `before` is the number of earlier collisions of the run.
     pub fn merge(lists: &[&Self], log: &mut Log, record: &mut Record, before: u64) {
         let mut collisions = before;
         let mut rest: Vec<&[CollisionRecord]> = lists.iter().map(|list| list.collisions.as_slice()).collect();

@@ -12,8 +12,8 @@ use crate::engine::driver::Work;
 use crate::engine::hard::impulse::ParticleAccess;
 use crate::work_sharing;
 
-/// Number of times that new shells are made between rounds before the largest speed and the territories of the parts are
-/// determined again.
+/// Number of times that new shells (balls in which neighbour lists are valid) are made between two rounds (pieces of
+/// time shared by threads). After that, the largest speed and the regions of the threads are determined again.
 pub const RENEWALS: u32 = 64;
 
 impl Part<'_> {
@@ -29,7 +29,7 @@ impl Part<'_> {
         let across = has_images(index, &found, self.range(), (&domain, self.now));
         let (division, first, lists) = (&around.shells.parts, self.first, &mut *self.lists);
         let mut update = ListUpdate { division, first, next_events: self.next_events, lists };
-        // a new shell has neighbours in other parts only if all particles are one part here
+        // a new shell has neighbours in other parts only if this part contains all particles
         update.relink(index, (&found, across), &mut Vec::new());
         lists_of_mut(self.lists, division, index).found = found;
         self.predict_events(index);
@@ -44,8 +44,8 @@ impl Part<'_> {
         !shell.at_border && around.shells.may_move(index, [&shell.rounded_centre(), &new])
     }
 
-    /// Moves the shell of the particle at `index` to the present position of the particle; its neighbour list must be
-    /// made again.
+    /// Moves the shell (ball in which the neighbour list is valid) of the particle at `index` to the present position
+    /// of the particle. The neighbour list must then be made again.
     pub fn recentre(&mut self, index: u32) {
         let (around, place) = (self.around, self.place(index));
         let (body, shell) = (&self.bodies[place], &mut self.next_events[place].shell);
@@ -54,7 +54,7 @@ impl Part<'_> {
         *shell = shell.about(centre, around.at_wall(body, self.now));
     }
 
-    /// The particles of this part.
+    /// The particles of this part (those of one thread), with their flights and shells.
     pub fn range(&self) -> ParticleRange<'_> {
         ParticleRange { first: self.first, bodies: self.bodies, next_events: self.next_events }
     }
@@ -87,8 +87,9 @@ impl GlobalCalendar {
         self.predict_first_of_round(work.scene);
     }
 
-    /// Makes `found` the neighbours of the particles in `Round::leaving` of each part. Each thread changes the lists of
-    /// its part; the few changes in lists of other parts follow.
+    /// Makes the particles in `found` the neighbours of the particles in `Round::leaving` of each part (particles of
+    /// one thread). Each thread changes the lists of its part. The few changes in lists of other parts are made
+    /// afterwards.
     fn relink(&mut self, found: &[FoundNeighbours]) {
         let division = &self.shells.parts;
         let pieces = pieces(&mut self.parts, division, &mut self.next_events).into_iter();
@@ -107,8 +108,8 @@ impl GlobalCalendar {
         elsewhere.into_iter().flatten().for_each(|change| all.apply(change));
     }
 
-    /// Takes account of new shells that have been made between rounds. From time to time, the largest speed and the
-    /// territories of the parts are determined again.
+    /// Counts the times at which new shells have been made between rounds (pieces of time shared by threads). Each time
+    /// after [`RENEWALS`] of them, the largest speed and the territories of the parts are determined again.
     fn note_renewal(&mut self) {
         (self.renewed_at, self.renewals) = (self.now, self.renewals + 1);
         if self.renewals.is_multiple_of(RENEWALS) {

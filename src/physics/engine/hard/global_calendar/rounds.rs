@@ -1,23 +1,25 @@
 //! Rounds: short pieces of time in which several threads process the events of dense hard spheres.
 //!
-//! Each thread has a part of the particles: consecutive indices, and so a region of the box. A shell is a ball around a
-//! particle in which its neighbour list is valid. Times are counted from the *epoch*, the zero of the calendar's time.
-//! A round has three steps:
+//! Each thread has a part of the particles. The particles of a part have consecutive indices, so they fill a region of
+//! the box. A shell is a ball around a particle in which its neighbour list is valid. Times are counted from the
+//! *epoch*, the zero of the calendar's time. A round has three steps:
 //!
 //! 1. Each thread processes the events of its part as if there were no other parts. A particle whose next event is a
-//!    touch with another part is *stopped*. So is a particle whose next event is a touch with a stopped one.
+//!    touch with a particle of another part is *stopped*. A particle whose next event is a touch with a stopped
+//!    particle is stopped too.
 //! 2. Each thread predicts the events of the particles at its border again, now with the particles of other parts.
 //! 3. One thread processes the events of stopped particles, and those that step 2 has found, in the order of time.
 //!
-//! If an event of step 3 comes too late, since its particle has already had a later event, the round is undone and
+//! If an event of step 3 is found too late, because its particle has already had a later event, the round is undone and
 //! repeated with a shorter length. This is rare, because few particles have two events in a round. The time of a touch
 //! depends only on two flights, so the results are bit for bit those of a single thread.
 //!
 //! A particle that comes near the surface of its shell gets a new shell at once, if all cells around it belong to its
-//! part ([`Territories`](super::territories::Territories)). Otherwise it gets one after that round or a later one.
-//! Until then, it may fly on by a small distance, which is left for this purpose. If a particle becomes so fast that it
-//! may fly farther, the round is undone, and one thread repeats it. An undone round leaves new shells where they are:
-//! within a round, no particle flies farther than the small distance, so each is inside its new shell also before.
+//! part ([`Territories`](super::territories::Territories)). Otherwise the particle gets a new shell after that round or
+//! a later one. Until then, it may fly on by a small distance, which is left for this purpose. If a particle becomes so
+//! fast that it may fly farther, the round is undone, and one thread repeats it. An undone round leaves new shells
+//! where they are: within a round, no particle flies farther than the small distance, so each particle was inside its
+//! new shell also at the start of the round.
 
 use super::division::Division;
 use super::event_queue::{EventQueue, EventTable};
@@ -37,63 +39,65 @@ use crate::record::{Log, Record};
 use crate::scene::Scene;
 use crate::work_sharing;
 
-/// Smallest number of particles in a part, the particles of one thread. With 4000 in each of two parts, two threads
+/// Smallest number of particles in a part (the particles of one thread). With 4000 in each of two parts, two threads
 /// were slower than one.
 const FEWEST: usize = 10_000;
 
-/// [-] distance to the surface of its shell at which a particle is to get a new shell, over the margin. The margin is
-/// the largest distance of a particle from the centre of its shell. The particle may fly on by this distance to the
-/// surface until the next new shells are made.
+/// [-] distance to the surface of its shell (ball in which its neighbour list is valid) at which a particle is to get a
+/// new shell, divided by the radius of the shell. The particle may fly on by this distance until new shells are made.
 const SLACK: f64 = 0.08;
 
-/// [-] speed that no particle may exceed in a round, divided by the largest speed of any particle. That largest speed
-/// is computed when the particles are divided, and again from time to time
-/// ([`RENEWALS`](super::renewal::RENEWALS)).
+/// [-] speed that no particle may exceed in a round (piece of time shared by threads), divided by the largest speed of
+/// any particle when it was last computed ([`RENEWALS`](super::renewal::RENEWALS)).
 const FASTER: f64 = 1.25;
 
-/// [-] factor by which rounds become longer after each successful round with few collisions.
+/// [-] factor by which rounds (pieces of time shared by threads) become longer after each successful round with few
+/// collisions.
 const LONGER: f64 = 1.01;
 
-/// [-] factor by which rounds become shorter after each failed round. Together with [`LONGER`], about one round in
-/// twenty fails.
+/// [-] factor by which rounds (pieces of time shared by threads) become shorter after each failed round. With this
+/// value and that of [`LONGER`], about one round in twenty fails.
 const SHORTER: f64 = 0.8;
 
-/// [-] shortest length of a round over the longest. The first round has the shortest length: just after a random start
-/// there are very many collisions. The states stored to undo them would need much memory.
+/// [-] shortest length of a round (piece of time shared by threads), divided by the longest. The first round has the
+/// shortest length: just after a random start there are very many collisions, and the states that are stored to undo
+/// them would need much memory.
 const SHORTEST: f64 = 1e-3;
 
-/// Number of particles per collision of a round, below which rounds do not become longer. It bounds the memory for the
-/// states that are stored to undo a round.
+/// Number of particles divided by the number of collisions in a round (piece of time shared by threads). If it is
+/// smaller, rounds do not become longer. This bounds the memory for the states that are stored to undo a round.
 const PER_COLLISION: usize = 128;
 
-/// Largest number of failures after which a round is tried again; after one more failure, one thread processes its
-/// events.
+/// Largest number of failures after which a round (piece of time shared by threads) is tried again; after one more
+/// failure, one thread processes its events.
 const ATTEMPTS: u32 = 3;
 
-/// Data that the events of one round write: those of one part, or those that concern several parts.
+/// Data that events write in one round (piece of time shared by threads). The events are those of one part (the
+/// particles of one thread), or those that concern several parts.
 #[derive(Clone, Default)]
 pub struct Round {
     /// [s] time since the epoch (zero of the calendar's time) at which the round begins.
     pub start: f64,
-    /// Indices of particles that need new shells.
+    /// Indices of particles that need new shells (balls in which their neighbour lists are valid).
     pub leaving: Vec<u32>,
-    /// Indices of particles whose events were predicted without their neighbours in other parts. In step 3 of a round:
-    /// indices of particles whose next event is a touch with another particle.
+    /// Indices of particles whose events were predicted without their neighbours in other parts (particles of other
+    /// threads). In the data of events that concern several parts: indices of particles whose next event is a touch
+    /// with another particle.
     pub predicted: Vec<u32>,
     /// States of particles before the events, from which the round can be undone.
     pub undo: Undo,
-    /// Collisions of the round, with their amounts for the ledger.
+    /// Collisions of the round, with the amounts that they add to the ledger (sums of energies and momenta of the run).
     pub records: Records,
     /// Numbers of collisions and of tested pairs in this round.
     pub counts: EventCounts,
-    /// [m/s] speed that no particle may exceed in the round.
+    /// [m/s] speed that no particle may exceed in the round (piece of time shared by threads).
     pub speed: f64,
-    /// True in step 3 of a round, in which one thread processes the events that concern several parts.
+    /// True in the last step of a round, in which one thread processes the events between parts.
     pub is_border: bool,
-    /// True if a particle was too fast, or if an event failed; one thread then repeats the round.
+    /// True if a particle was too fast, or if an event failed; one thread then repeats the present round.
     pub must_be_repeated: bool,
-    /// [s] time since the epoch of the earliest event that was processed too early, before another event on which it
-    /// depends; infinite if there is none. The round is then repeated up to this time.
+    /// [s] time since the epoch of the earliest event that was processed too early, before an event on which it
+    /// depends; the round is then repeated up to this time. It is infinite if there is no such event.
     pub early: f64,
 }
 
@@ -104,8 +108,8 @@ impl Round {
     }
 
     /// Checks the order of two events of a particle: the present one at `now` [s], and the one at `time` [s] with which
-    /// its flight began. Both times are counted from the epoch. If `time` is later than `now`, the event at `time` was
-    /// processed too early.
+    /// its flight began. Both times are counted from the epoch (zero of the calendar's time). If `time` is later than
+    /// `now`, the event at `time` was processed too early.
     #[inline]
     pub fn note_order(&mut self, time: f64, now: f64) {
         if time > now {
@@ -113,36 +117,37 @@ impl Round {
         }
     }
 
-    /// True if the round must be undone.
+    /// True if the round (piece of time shared by threads) must be undone.
     pub fn has_failed(&self) -> bool {
         self.must_be_repeated || self.early < f64::INFINITY
     }
 }
 
-/// State of one part of the particles, stored from round to round. The states of two parts share no cache line, nor a
-/// pair of lines that processors fetch together.
+/// State of one part (the particles of one thread), stored from one round (piece of time shared by threads) to the
+/// next. The states of two parts share no cache line, nor a pair of lines that processors fetch together.
 #[repr(align(128))]
 #[derive(Clone, Default)]
 pub struct PartState {
     queue: EventQueue,
-    /// One bit for each particle of the part: set if the particle is stopped.
+    /// One bit for each particle of the part. It is set if the particle is stopped, because it will touch a particle of
+    /// another part or a stopped particle.
     stopped: Vec<u64>,
-    /// Indices of particles whose next event is left to the single thread of step 3.
+    /// Indices of particles whose next event is left to the single thread that processes the events between parts.
     deferred: Vec<u32>,
-    /// Indices of particles whose next event is a touch with a particle of another part after the end of the round.
+    /// Indices of particles whose next event, after the end of the round, is a touch with a particle of another part.
     across: Vec<u32>,
-    /// Data that the events of a round write.
+    /// Data that the events of a round (piece of time shared by threads) write.
     pub round: Round,
-    /// Log of the collisions. Its impacts are counted in `record` when the next round begins.
+    /// Log of the collisions. Its impacts are added to `record` at the start of the next round.
     log: Log,
     /// Statistics of the impacts since the start of the window.
     record: Record,
 }
 
 impl PartState {
-    /// Predicts the events of the particles in `round.predicted` with the neighbours in all parts. Events before `end`
-    /// [s] since the epoch are left to the single thread of step 3. `next_events` are those of this part, whose first
-    /// particle has the index `first`, and `lists` their neighbour lists.
+    /// Predicts the events of the particles in `round.predicted` with the neighbours in all parts (particles of all
+    /// threads). Events before `end` [s] since the epoch are left to the last step of a round. `next_events` are those
+    /// of this part, whose first particle has the index `first`, and `lists` their neighbour lists.
     fn complete(
         &mut self,
         all: Flights,
@@ -181,9 +186,9 @@ impl PartState {
     }
 }
 
-/// Processes the events of a part up to `end` [s] since the epoch as if there were no other parts. A particle is
-/// stopped if its next event is a touch with a particle of another part or with a stopped particle. Its index is then
-/// added to `deferred`. `stopped` has one bit for each particle of the part.
+/// Processes the events of a part (the particles of one thread) up to `end` [s] since the epoch as if there were no
+/// other parts. A particle is stopped if its next event is a touch with a particle of another part or with a stopped
+/// particle. Its index is then added to `deferred`. `stopped` has one bit for each particle of the part.
 fn process(mut part: Part, stopped: &mut [u64], deferred: &mut Vec<u32>, end: f64) {
     while let Some(index) = part.next(end) {
         let is_stopped = |index: u32, stopped: &[u64]| {
@@ -204,7 +209,7 @@ fn process(mut part: Part, stopped: &mut [u64], deferred: &mut Vec<u32>, end: f6
     }
 }
 
-/// List of the parts, each with the index of its first particle and the next events of its particles.
+/// Parts (particles of one thread), each with the index of its first particle and the next events of its particles.
 pub fn pieces<'a>(
     parts: &'a mut [PartState],
     division: &Division,
@@ -226,7 +231,7 @@ impl GlobalCalendar {
         self.number_of_parts() > 1 && self.may_be_shared(scene)
     }
 
-    /// True if several threads may share the events of a window, if there are enough particles.
+    /// True if the scene allows several threads to share the events of a window. The number of particles is not tested.
     pub(super) fn may_be_shared(&self, scene: &Scene) -> bool {
         !scene.is_kicked()
             && self.far_images == [false; 3]
@@ -240,7 +245,7 @@ impl GlobalCalendar {
         rayon::current_num_threads().min(self.bodies.len() / FEWEST).min(MOST_PARTS)
     }
 
-    /// Processes all events up to the time `stop` [s] since the epoch in rounds, by several threads.
+    /// Processes all events up to the time `stop` [s] since the epoch by several threads, in rounds (pieces of time).
     pub(super) fn rounds(&mut self, work: &mut Work<Recent>, span: CalendarWindow, stop: f64) -> Result<(), Failure> {
         let (mut failures, mut until) = (0, f64::INFINITY);
         while self.now < stop {
@@ -284,7 +289,7 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Adds the statistics of impacts of all parts to the record of the run.
+    /// Adds the statistics of impacts of all parts (particles of one thread) to the record of the run.
     fn count_impacts(&mut self, record: &mut Record) {
         for part in &mut self.parts {
             part.record.count(&mut part.log.impacts);
@@ -293,7 +298,7 @@ impl GlobalCalendar {
         }
     }
 
-    /// Divides the particles into parts.
+    /// Divides the particles into parts, one for each thread.
     fn divide(&mut self, scene: &Scene) {
         let slack = SLACK * self.shells.margin;
         let is_new = self.slack != slack;
@@ -323,8 +328,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Chooses the speed that no particle may exceed, the length of the next round, and the time for which touches are
-    /// predicted after an exit from a shell.
+    /// Chooses the speed that no particle may exceed, the length of the next round (piece of time shared by threads),
+    /// and the time for which touches are predicted after an exit from a shell.
     pub(super) fn limit_speed(&mut self) {
         let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, f64::max).sqrt();
         self.speed = FASTER * fastest;
@@ -333,7 +338,7 @@ impl GlobalCalendar {
         self.grace = 2.0 * longest;
     }
 
-    /// Processes the events of each part up to `end` [s] since the epoch, each part by one thread (step 1 of a round).
+    /// Processes the events of each part by one thread up to `end` [s] since the epoch (first step of a round).
     fn process_parts(&mut self, work: &mut Work<Recent>, span: CalendarWindow, end: f64) {
         let (around, now, speed) = (view_of!(self, work.scene), self.now, self.speed);
         let particles: &Particles = work.particles;
@@ -374,8 +379,8 @@ impl GlobalCalendar {
         );
     }
 
-    /// Predicts the events of particles at the borders of parts again, now with the neighbours in all parts (step 2 of
-    /// a round). Events before `end` [s] since the epoch are left to one thread.
+    /// Predicts the events of particles at the borders of parts again, now with the neighbours in all parts (second
+    /// step of a round). Events before `end` [s] since the epoch are left to one thread.
     fn complete(&mut self, scene: &Scene, end: f64) {
         let (around, bodies, now) = (view_of!(self, scene), self.bodies.as_slice(), self.now);
         let all = Flights { around: &around, first: 0, bodies, now, in_order: false };
@@ -385,8 +390,8 @@ impl GlobalCalendar {
         });
     }
 
-    /// Processes by one thread the events that concern several parts, up to `end` [s] since the epoch (step 3 of a
-    /// round).
+    /// Processes by one thread the events that concern several parts (particles of several threads), up to `end` [s]
+    /// since the epoch. This is the last step of a round.
     fn process_border(&mut self, work: &mut Work<Recent>, span: CalendarWindow, end: f64) {
         let (mut parts, mut border) = (std::mem::take(&mut self.parts), std::mem::take(&mut self.border));
         let mut log = Log::default();
@@ -416,8 +421,8 @@ impl GlobalCalendar {
         (self.parts, self.border) = (parts, border);
     }
 
-    /// Restores the state before the present round, which has failed. The next events of all particles that had events
-    /// are predicted again, since some have new shells.
+    /// Restores the state before the present round (piece of time shared by threads), which has failed. The next events
+    /// of all particles that had events are predicted again, since some of these particles have new shells.
     fn undo(&mut self, scene: &Scene) {
         let Self { parts, border, bodies, next_events, last_collisions, shells, .. } = self;
         let mut changed = Vec::new();
@@ -440,8 +445,8 @@ impl GlobalCalendar {
         self.predict_first_of_round(scene);
     }
 
-    /// Adds the collisions of a successful round to the log of the run. Moves the remaining events from the queue of
-    /// step 3 back to the queues of the parts.
+    /// Adds the collisions of a successful round (piece of time shared by threads) to the log of the run. Moves the
+    /// remaining events from the queue of the single thread back to the queues of the parts.
     fn finish(&mut self, work: &mut Work<Recent>) {
         let Self { parts, border, queue, shells, next_events, ids, .. } = self;
         let lists: Vec<&Records> = parts.iter().map(|part| &part.round.records).chain([&border.records]).collect();
@@ -464,9 +469,9 @@ impl GlobalCalendar {
         self.store_with_partners(across);
     }
 
-    /// Stores the touches of particles of different parts also in the entries of the partners, which must be stopped at
-    /// these touches too. `across` and `PartState::across` contain the indices of particles whose next event may be such
-    /// a touch.
+    /// Stores each coming touch of two particles of different parts also in the entry of the partner, which must be
+    /// stopped at this touch too. `across` and `PartState::across` contain the indices of particles whose next event
+    /// may be such a touch.
     fn store_with_partners(&mut self, mut across: Vec<u32>) {
         let Self { parts, shells, bodies, next_events, ids, .. } = self;
         parts.iter_mut().for_each(|part| across.append(&mut part.across));
@@ -483,7 +488,7 @@ impl GlobalCalendar {
         }
     }
 
-    /// Predicts the events of the particles listed in `Round::predicted` of each part at the start of a round.
+    /// Predicts the events of the particles in `Round::predicted` of each part, at the start of a round.
     pub(super) fn predict_first_of_round(&mut self, scene: &Scene) {
         self.parts.iter_mut().for_each(|part| part.round.begin(self.now, self.speed, false));
         self.complete(scene, self.now);

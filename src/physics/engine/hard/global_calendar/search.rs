@@ -16,7 +16,8 @@ pub struct FoundNeighbours {
     pub counts: Vec<u32>,
     /// For each particle, true if a periodic image of a neighbour may be nearer than the neighbour itself.
     across: Vec<bool>,
-    /// Number of distances between shells that were computed for these lists.
+    /// Number of distances between shells (balls in which neighbour lists are valid) that were computed for these
+    /// lists.
     pub checks: u64,
 }
 
@@ -34,8 +35,8 @@ impl FoundNeighbours {
 }
 
 /// True if a periodic image of one of the particles in `others` may be nearer to particle `i` than that particle
-/// itself, at the time `now` [s] since the epoch (zero of the calendar's time). False is returned only if all of them
-/// are less than half the shortest periodic edge apart from `i`.
+/// itself, at the time `now` [s] since the epoch (zero of the calendar's time). False is returned only if all these
+/// particles are less than half the shortest periodic edge of the box apart from `i`.
 pub fn has_images(i: u32, others: &[u32], particles: ParticleRange, (domain, now): (&Domain, f64)) -> bool {
     let here = particles.body(i).position_at(now);
     others.iter().any(|&j| !domain.is_direct(&(here - particles.body(j).position_at(now))))
@@ -59,8 +60,9 @@ impl Shells {
         all
     }
 
-    /// Appends to `found` the indices of all particles whose shells overlap that of particle `i`, and of some whose
-    /// shells nearly overlap it. Returns the number of shells tested.
+    /// Appends to `found` the indices of the neighbours of particle `i`. These are all particles whose shells overlap
+    /// that of `i`, and some whose shells nearly overlap it. A shell is the ball in which a neighbour list is valid.
+    /// Returns the number of shells tested.
     pub fn find_neighbours(&self, i: u32, particles: ParticleRange, domain: &Domain, found: &mut Vec<u32>) -> u64 {
         let (centre, radius) = (particles.shell(i).centre(), self.radius(particles.body(i)));
         let near = |j: u32| {
@@ -86,9 +88,10 @@ impl Shells {
         checks + self.find_across(i, particles, domain, found)
     }
 
-    /// Appends to `found` the particles whose shells may overlap an image of the shell of particle `i` across a sheared
-    /// side. `domain` gives the mean places of the images, which slide along that side by up to [`SLIDE`] times the
-    /// margin in both directions. Returns the number of shells tested.
+    /// Appends to `found` the particles whose shells (balls in which neighbour lists are valid) may overlap an image of
+    /// the shell of particle `i` across a sheared side. `domain` gives the mean places of the images, which slide along
+    /// that side by up to [`SLIDE`] times the margin (radius of a shell) in both directions. Returns the number of
+    /// shells tested.
     fn find_across(&self, i: u32, particles: ParticleRange, domain: &Domain, found: &mut Vec<u32>) -> u64 {
         let (centre, radius) = (particles.shell(i).centre(), self.radius(particles.body(i)));
         let mut checks = 0;

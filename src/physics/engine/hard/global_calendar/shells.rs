@@ -20,20 +20,20 @@ use serde::{Deserialize, Serialize};
 /// Shell of a particle (a ball in which its neighbour list is valid), and the location of its neighbour list.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Shell {
-    /// Centre [m] of the shell, inside the box; in single precision, as in the grid of cells.
+    /// Centre [m] of the shell, inside the box. It is stored in single precision, as in the grid of cells.
     centre: [f32; 3],
-    /// Location of the list in `NeighbourLists::near` of its part: the neighbours are `near[first .. first + count]`.
-    /// `room` is the size number of the memory block that starts at `first`.
+    /// Location of the particle's neighbour list in `NeighbourLists::near`: the neighbours are `near[first .. first +
+    /// count]`. `room` is the size number of the memory block that starts at `first`.
     pub(super) first: u32,
     pub(super) count: u32,
     pub(super) room: u8,
-    /// True if the particle may touch a wall before it leaves the shell.
+    /// True if the particle may touch a wall before it leaves this shell (ball in which its neighbour list is valid).
     pub at_wall: bool,
     /// True if the particle may have neighbours in another part of the particles, whose events another thread
     /// processes.
     pub at_border: bool,
     /// True if a periodic image of a neighbour may be nearer than the neighbour itself. Flights may lead out of the
-    /// box, so this does not follow from the centre of the shell.
+    /// box, so this property does not follow from the centre of the shell.
     pub across: bool,
 }
 
@@ -46,8 +46,9 @@ pub struct RadiusClass {
     pub mass: f64,
 }
 
-/// Grid with the shells of all particles in a range of radii, in which the largest radius is at most twice the
-/// smallest. A single grid for all sizes would have very many small particles in each cell.
+/// Grid of cells with the shells (balls in which neighbour lists are valid) of all particles in a range of radii. The
+/// largest radius of the range is at most twice the smallest. A single grid for all sizes would have very many small
+/// particles in each cell.
 #[derive(Clone, Debug)]
 pub struct ShellLevel {
     pub cells: ShellGrid,
@@ -65,7 +66,8 @@ pub struct Shells {
     pub margin: f64,
     /// All different combinations of radius and mass, in ascending order; `FlightState::kind` is an index of this list.
     pub kinds: Vec<RadiusClass>,
-    /// Grids with the centres of shells, one for each range of radii, in ascending order.
+    /// Grids of cells with the centres of shells (balls in which neighbour lists are valid), one for each range of
+    /// radii, in ascending order.
     #[serde(skip)]
     pub levels: Vec<ShellLevel>,
     /// Largest radius [m] of any particle.
@@ -77,20 +79,20 @@ pub struct Shells {
     /// Division of the particles into parts with consecutive indices, one part for each thread.
     #[serde(skip)]
     pub parts: Division,
-    /// Cells in which each thread may make new shells while the others process events; empty if there are particles of
-    /// very different radii.
+    /// For each thread, the cells in which it may give particles new shells while the other threads process events;
+    /// empty if there are several grids, for particles of very different radii.
     #[serde(skip)]
     pub territories: Territories,
 }
 
 impl Shell {
-    /// Makes a shell about the point `centre` [m] inside the box, with the present location of the neighbour list.
-    /// `at_wall` is true if the particle may touch a wall within the shell.
+    /// Makes a shell (ball in which a neighbour list is valid) about the point `centre` [m] inside the box, with the
+    /// present location of the neighbour list. `at_wall` is true if the particle may touch a wall within the shell.
     pub fn about(&self, centre: [f32; 3], at_wall: bool) -> Self {
         Self { centre, at_wall, ..*self }
     }
 
-    /// Centre [m] of the shell in single precision, as it is stored.
+    /// Centre [m] of the shell (ball in which the neighbour list is valid) in single precision, as it is stored.
     #[inline]
     pub fn rounded_centre(&self) -> [f32; 3] {
         self.centre
@@ -109,9 +111,10 @@ impl Shell {
 }
 
 impl Shells {
-    /// Makes the shells and the neighbour lists of all particles, whose positions [m] must be inside the box. `at_wall`
-    /// is true, by index, for the particles that may touch a wall within their shell. Returns the lists of each part,
-    /// and the number of distances between shells that were computed.
+    /// Makes the shells (balls in which neighbour lists are valid) and the neighbour lists of all particles, whose
+    /// positions [m] must be inside the box. `at_wall` is true, by index, for the particles that may touch a wall
+    /// within their shell. Returns the lists of each part (particles of one thread), and the number of distances
+    /// between shells that were computed.
     pub fn build(
         &mut self,
         next_events: &mut [NextEvents],
@@ -144,7 +147,8 @@ impl Shells {
     }
 
     /// Stores the neighbour lists `found` of consecutive particles, the first of which has the index `first`, behind
-    /// the lists of their parts. The place of each list is written to the entry of its particle in `next_events`.
+    /// the present lists of their parts (particles of one thread). The place of each list is written to the entry of
+    /// its particle in `next_events`.
     fn store(
         &self,
         found: &FoundNeighbours,
@@ -169,8 +173,8 @@ impl Shells {
         }
     }
 
-    /// Makes the grids of cells and sorts the centres of all shells into them. Snapshots of a run do not contain the
-    /// grids, so the grids are also made when a run is resumed.
+    /// Makes the grids of cells, and sorts the centres of all shells (balls in which neighbour lists are valid) into
+    /// the cells. Snapshots of a run do not contain the grids, so the grids are also made when a run is resumed.
     pub fn fill_cells(&mut self, next_events: &[NextEvents], bodies: &[FlightState], domain: &Domain) {
         self.largest = self.kinds.iter().fold(0.0, |most: f64, kind| most.max(kind.radius));
         self.smallest = self.kinds.iter().fold(f64::INFINITY, |least: f64, kind| least.min(kind.radius));
@@ -193,14 +197,15 @@ impl Shells {
         }
     }
 
-    /// Number of the grid of shells to which a particle belongs by its radius; grid 0 is for the smallest radii.
+    /// Number of the grid (in `levels`) to which a particle belongs by its radius; grid 0 is for the smallest radii.
     #[inline]
     pub fn level(&self, body: &FlightState) -> usize {
         let radius = self.radius(body);
         self.levels.iter().take_while(|level| level.largest < radius).count()
     }
 
-    /// Divides the cells among the parts of the particles: each thread may make new shells in the cells of its part.
+    /// Divides the cells among the parts (particles of one thread). Each thread may give particles new shells in the
+    /// cells of its part.
     pub fn divide_cells(&mut self, next_events: &[NextEvents]) {
         // with several grids, a cell of one grid may be in the territories of two parts
         self.territories = match self.levels.as_slice() {
@@ -210,19 +215,21 @@ impl Shells {
     }
 
     /// True if a thread may move the shell of particle `index` from the point `old` [m] to the point `new` [m], while
-    /// other threads process the events of other parts.
+    /// other threads process the events of their particles. A shell is the ball in which a neighbour list is valid.
     pub fn may_move(&self, index: u32, [old, new]: [&[f32; 3]; 2]) -> bool {
         matches!(self.levels.as_slice(), [level] if self.territories.allow(index, &self.parts, &level.cells, [old, new]))
     }
 
-    /// Takes account of the new centre [m] of the shell of particle `index`, which may be outside the cells of its part.
+    /// Notes that the shell of particle `index` has been moved to the point `centre` [m]. If this point is outside the
+    /// cells of the particle's part, no thread may use the cell alone any more.
     pub fn note_move(&mut self, index: u32, centre: &[f32; 3]) {
         if let [level] = self.levels.as_slice() {
             self.territories.enter(index, &self.parts, &level.cells, centre);
         }
     }
 
-    /// True if a shell is so near to a sheared side of the box that its particle may have neighbours across that side.
+    /// True if the shell of a particle (ball in which its neighbour list is valid) is so near to a sheared side of the
+    /// box that the particle may have neighbours across that side.
     pub fn is_at_sheared_side(&self, shell: &Shell, domain: &Domain) -> bool {
         if domain.shear.is_none() {
             return false;
@@ -231,8 +238,8 @@ impl Shells {
         !(reach..domain.size.y - reach).contains(&y)
     }
 
-    /// [m] distance between the centres of two shells beyond which they are never neighbours, whatever the radii of
-    /// their particles; rounding is allowed for.
+    /// [m] largest distance between the centres of the shells of two neighbours (balls in which their neighbour lists
+    /// are valid), for any radii of the particles. It allows for rounding errors.
     pub fn search_radius(&self, domain: &Domain) -> f64 {
         2.0 * (self.largest + self.margin) + 2.0 * ROUNDING * domain.size.max()
     }
@@ -261,9 +268,9 @@ impl Shells {
         self.kinds[body.kind as usize].mass
     }
 
-    /// Returns copies of all neighbour lists, for the given division of the particles into parts, and of `next_events`
-    /// with the new locations of the lists. In the copy all lists are sorted and follow one another without gaps.
-    /// Stored data then do not depend on the order in which lists were built.
+    /// Returns copies of all neighbour lists, for the given division of the particles among threads, and a copy of
+    /// `next_events` with the new locations of the lists. In the copy all lists are sorted and follow one another
+    /// without gaps. Stored data then do not depend on the order in which lists were built.
     pub fn copy_lists(
         &self,
         lists: &[NeighbourLists],

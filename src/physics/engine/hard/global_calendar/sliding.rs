@@ -4,8 +4,8 @@
 //! Particles and their images fly straight also across a sheared side, so their touches are predicted exactly. Only the
 //! neighbour lists need a special treatment. A shell, the ball in which the list of a particle is valid, does not move,
 //! but its images slide. Time is therefore divided into intervals. Within half an interval, images slide by [`SLIDE`]
-//! times the margin, the distance that a particle may move from the centre of its shell. A list is made for one
-//! interval. When the interval ends, all shells near the sheared sides are made anew.
+//! times the margin, the distance that a particle may move from the centre of its shell. A neighbour list is made for
+//! one interval. When the interval ends, all shells near the sheared sides are made anew.
 
 use super::view::CalendarView;
 use super::{CalendarWindow, GlobalCalendar, Recent, view_of, whole_of};
@@ -35,8 +35,9 @@ impl<'a> CalendarView<'a> {
     }
 }
 
-/// Length [s] of an interval in which neighbour lists across sheared sides are valid; infinite if no images slide.
-/// `margin` [m] is the distance that a particle may move from the centre of its shell.
+/// Length [s] of an interval of time in which neighbour lists across sheared sides are valid; infinite if no images
+/// slide. `margin` [m] is the distance that a particle may move from the centre of its shell, the ball in which its
+/// neighbour list is valid.
 fn interval(margin: f64, scene: &Scene) -> f64 {
     2.0 * SLIDE * margin / scene.domain.sliding().abs()
 }
@@ -91,7 +92,7 @@ impl GlobalCalendar {
     /// Removes from the ledger (sums of energies of the run) the side crossings that were added when positions in the
     /// particle store were shifted into the box. The event queue had written these positions at the end of the last
     /// window. The flights in the queue go on beyond the sheared sides; their crossings are recorded when the particles
-    /// get new shells.
+    /// get new neighbour lists.
     pub(super) fn take_back_crossings(&self, work: &mut Work<Recent>) {
         if work.scene.domain.shear.is_some() {
             self.crossings(&work.scene.domain).for_each(|crossing| self.take_back(crossing, work.record));
@@ -117,8 +118,8 @@ impl GlobalCalendar {
         record.ledger += -SideCrossings::of(self.shells.mass(&self.bodies[index]), before, change);
     }
 
-    /// Begins the next interval of sliding images: makes the shells near the sheared sides anew, and predicts the
-    /// events of their particles.
+    /// Begins the next interval of time in which neighbour lists across sheared sides are valid. Gives new lists to the
+    /// particles near the sheared sides, and predicts the events of these particles.
     pub(super) fn next_interval(&mut self, work: &mut Work<Recent>, span: CalendarWindow) {
         self.begin_interval(work.scene);
         for index in 0..self.next_events.len() as u32 {

@@ -1,36 +1,39 @@
 //! Territories: regions of the box in which the threads make new shells at the same time. A shell is a ball around a
 //! particle, in which its neighbour list is valid.
 //!
-//! Each cell of the grid of shells belongs to one part of the particles, or to none. All shells in a cell that belongs
-//! to a part are shells of this part. A part makes new shells only in its *inner* cells: those whose neighbours all
-//! belong to the part. So no two threads use the same cell, and a new shell in an inner cell overlaps no shell of
-//! another part.
+//! Each cell of the grid of shells belongs to one part (the particles of one thread), or to none. All shells in a cell
+//! that belongs to a part are shells of this part. A part makes new shells only in its *inner* cells: those whose
+//! neighbours all belong to the part. So no two threads use the same cell, and a new shell in an inner cell overlaps no
+//! shell of another part.
 
 use super::cells::ShellGrid;
 use super::division::Division;
 use super::next_events::NextEvents;
 
-/// Part of the particles to which each cell of the grid of shells belongs (balls in which neighbour lists are valid).
+/// For each cell of the grid of shells (balls in which neighbour lists are valid), the part to which the cell belongs.
+/// A part is the set of particles of one thread.
 #[derive(Clone, Debug, Default)]
 pub struct Territories {
-    /// For each cell, the number of the part to which it belongs; [`NO_PART`] if shells of several parts are in it.
+    /// For each cell, the number of the part (particles of one thread) to which the cell belongs; [`NO_PART`] if the
+    /// cell contains shells of several parts.
     owner: Vec<u16>,
-    /// For each cell, the number of the part to which the cell and all its neighbours belong; otherwise [`NO_PART`].
+    /// For each cell, the number of the part (particles of one thread) to which the cell and all its neighbours belong;
+    /// [`NO_PART`] if they belong to different parts or to none.
     inner: Vec<u16>,
 }
 
-/// Mark of a cell that belongs to no part.
+/// Mark of a cell that belongs to no part (no thread).
 const NO_PART: u16 = u16::MAX;
 
-/// Mark of a cell without shells, before it is given to a part.
+/// Mark of a cell without particles, before the cell is given to a part (particles of one thread).
 const EMPTY: u16 = u16::MAX - 1;
 
-/// Largest number of parts, so that the number of a part is none of the two marks.
+/// Largest number of parts (threads), so that the number of a part never equals one of the two marks.
 pub const MOST_PARTS: usize = EMPTY as usize;
 
 impl Territories {
-    /// Gives each cell of `cells` to the part whose shells it contains. `next_events` contains the shells of all
-    /// particles. An empty cell goes to the part of the cell before it.
+    /// Gives each cell of `cells` to the part (particles of one thread) whose shells the cell contains. `next_events`
+    /// contains the shells of all particles. An empty cell goes to the part of the cell before it.
     pub fn of(cells: &ShellGrid, division: &Division, next_events: &[NextEvents]) -> Self {
         let mut owner = vec![EMPTY; cells.cells()];
         for (index, events) in (0..).zip(next_events) {
@@ -47,15 +50,15 @@ impl Territories {
         Self { owner, inner }
     }
 
-    /// True if a thread may move a shell of the part of particle `index` from the point `old` [m] to the point `new`
-    /// [m], while other threads move shells of other parts.
+    /// True if a thread may move the shell of its particle `index` from the point `old` [m] to the point `new` [m],
+    /// while other threads move shells of their particles. A shell is the ball in which a neighbour list is valid.
     pub fn allow(&self, index: u32, division: &Division, cells: &ShellGrid, [old, new]: [&[f32; 3]; 2]) -> bool {
         let part = number(division, index);
         self.inner.get(cells.cell(new)) == Some(&part) && self.owner.get(cells.cell(old)) == Some(&part)
     }
 
-    /// Takes account of a shell of particle `index` that has been moved to the point `centre` [m], which may be outside
-    /// the cells of its part.
+    /// Notes that the shell of particle `index` has been moved to the point `centre` [m]. If the cell there does not
+    /// belong to the part of this particle, the cell then belongs to no part.
     pub fn enter(&mut self, index: u32, division: &Division, cells: &ShellGrid, centre: &[f32; 3]) {
         let cell = cells.cell(centre);
         if self.owner.get(cell).is_some_and(|owner| *owner != number(division, index)) {
@@ -65,7 +68,6 @@ impl Territories {
     }
 }
 
-/// Number of the part of the particle at `index`.
 fn number(division: &Division, index: u32) -> u16 {
     division.number(index) as u16
 }

@@ -21,11 +21,12 @@ pub struct CalendarView<'a> {
     pub frame: FallingFrame,
     /// [s] time since the epoch (zero of the calendar's time) at which a new epoch must begin.
     pub limit: f64,
-    /// [s] time since the epoch up to which events are predicted.
+    /// [s] time since the epoch (zero of the calendar's time) up to which events are predicted.
     pub horizon: f64,
-    /// [s] simulated time at the epoch, from which times are counted.
+    /// [s] simulated time at the epoch, the instant from which the calendar counts times.
     pub epoch: f64,
-    /// [s] time since the epoch until which neighbour lists across sheared sides are valid; infinite without shear.
+    /// [s] time since the epoch (zero of the calendar's time) until which neighbour lists across sheared sides are
+    /// valid; infinite without shear.
     pub lists_valid_until: f64,
     /// Shells (balls in which neighbour lists are valid) of all particles.
     pub shells: &'a Shells,
@@ -38,9 +39,9 @@ pub struct CalendarView<'a> {
     /// Contact time [s] of the TC model, in which a collision is elastic soon after another one; `None` without this
     /// model.
     pub contact_time: Option<f64>,
-    /// [m] distance to the surface of its shell at which a particle is to get a new shell. It is 0 unless several
-    /// threads share the events. They make new shells only at the end of a round, and until then a particle may fly on
-    /// by this distance.
+    /// [m] distance to the surface of its shell (ball in which its neighbour list is valid) at which a particle is to
+    /// get a new shell. It is 0 unless several threads share the events. They make most new shells only at the end of a
+    /// round (piece of time), and until then a particle may fly on by this distance.
     pub slack: f64,
     /// [s] length of the time, after the exit of a particle from its shell, in which touches of the particle are still
     /// predicted; used if `slack` is above 0.

@@ -42,8 +42,8 @@ impl WallContacts {
 }
 
 impl CalendarView<'_> {
-    /// Upper limit [m] of the distance by which a wall moves away from its place in the scene until the next epoch, the
-    /// instant from which the calendar then counts times. It is 0 for a wall that does not move.
+    /// Upper limit [m] of the distance by which a wall moves away from its place in the scene until the next epoch,
+    /// from which on the calendar counts times anew. It is 0 for a wall that does not move.
     fn travel(&self, wall: &Wall) -> f64 {
         wall.moving.as_ref().map_or(0.0, |moving| moving.travel(self.epoch + self.limit - moving.time()))
     }
