@@ -34,9 +34,9 @@ pub fn heated_a2(restitution: f64) -> f64 {
 }
 
 /// [m²/s] coefficient of self-diffusion of elastic hard spheres by Enskog's theory, in the first approximation: 3/(8 n
-/// d² χ) sqrt(T/π). n is the `density` [1/m³], d the `diameter` [m], T the granular `temperature` [m²/s²] and χ the
-/// contact value (Enskog factor) (Chapman and Cowling 1970, The Mathematical Theory of Non-Uniform Gases, sections 14.2
-/// and 16.6). The exact value of a dilute gas is 1.9 % larger than this approximation.
+/// d² χ) sqrt(T/π). n is the `density` [1/m³], d the `diameter` [m] and T the granular `temperature` [m²/s²]. χ is the
+/// contact value, which is the Enskog factor (Chapman and Cowling 1970, The Mathematical Theory of Non-Uniform Gases,
+/// sections 14.2 and 16.6). The exact value of a dilute gas is 1.9 % larger than this approximation.
 pub fn enskog_self_diffusion(density: f64, diameter: f64, temperature: f64, contact_value: f64) -> f64 {
     3.0 / (8.0 * density * diameter * diameter * contact_value) * (temperature / PI).sqrt()
 }
@@ -77,9 +77,11 @@ pub fn percus_yevick(q: f64, volume_fraction: f64) -> f64 {
 /// first approximation. In a dilute gas the exact viscosity is 1.6 % larger than this approximation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GasTransport {
-    /// [-] shear viscosity over ρ T/ν_0, with the mass density ρ of the gas.
+    /// [-] shear viscosity divided by ρ T/ν_0, with the mass density ρ and the granular temperature T of the gas, and
+    /// the collision frequency ν_0 of a dilute gas.
     pub viscosity: f64,
-    /// [-] rate at which collisions reduce T, over T and over ν_0; 0 for elastic spheres.
+    /// [-] relative rate at which collisions reduce the granular temperature, divided by the collision frequency ν_0 of
+    /// a dilute gas; 0 for elastic spheres.
     pub cooling_rate: f64,
 }
 

@@ -29,7 +29,7 @@ pub enum NoiseUse {
     Facets = 4,
     /// Random accelerations of the particles by a thermostat.
     Thermostat = 5,
-    /// Rebounds from thermal walls.
+    /// Rebounds from thermal walls, which give spheres the velocities of a gas.
     ThermalWalls = 6,
     /// Sizes, velocities and spins of the particles that come in through inlets.
     Inlets = 7,

@@ -1,8 +1,8 @@
 //! Driver that moves soft, event-driven hard and hybrid spheres through windows. The engines of hard spheres in time
-//! steps and of collisions by chance (DSMC) do not use it. A window is the time between two exchanges of momentum with
-//! the gas. In each window the driver first solves islands, for as long as they cost less computing time. Then it moves
-//! all particles at once by the classical algorithm (uniform time steps, or one event queue). An island is a group of
-//! particles that may meet within a part of a window.
+//! steps and of collisions by chance (DSMC) do not use this driver. A window is the time between two exchanges of
+//! momentum with the gas. In each window the driver first solves islands, for as long as they cost less computing time.
+//! Then it moves all particles at once by the classical algorithm (uniform time steps, or one event queue). An island
+//! is a group of particles that may meet within a part of a window.
 //!
 //! Each of the three engines is a driver with a [`Solver`], which solves single islands and moves all particles at
 //! once. The driver stores the *carried* state, which continues from one window to the next: contacts in progress, or
@@ -46,9 +46,9 @@ impl<C> Work<'_, C> {
         Work { particles, scene, lasting, log, record }
     }
 
-    /// Shifts particles outside the box by whole periods into the box. If sides of the box are sheared, adds the
-    /// changes of energy and momentum at crossings of these sides to the ledger, the sums of energies and momenta of
-    /// the run.
+    /// Shifts particles outside the box by whole periods into the box. If sides of the box are sheared, particles that
+    /// cross these sides change their energy and momentum. These changes are added to the ledger, the sums of energies
+    /// and momenta of the run.
     pub fn wrap(&mut self) {
         let crossings = self.particles.wrap(&self.scene.domain);
         if self.scene.domain.shear.is_some() {

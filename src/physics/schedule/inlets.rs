@@ -1,5 +1,5 @@
 //! Lengths of windows in scenes with inlets. A window is the time between two exchanges with the gas; particles come in
-//! at its end.
+//! at the end of a window.
 
 use crate::experiment::Experiment;
 use crate::scene::Inlet;

@@ -1,5 +1,5 @@
-//! Upper limit of the speed of particles that drag slows down, by which windows (times between two exchanges with the
-//! gas) may become longer.
+//! Upper limit of the speed of particles that drag slows down. As this limit decreases during a run, windows (times
+//! between two exchanges with the gas) may become longer.
 
 use super::{DragScales, motion};
 use crate::experiment::{Experiment, Population};
@@ -12,13 +12,13 @@ use crate::walls::Wall;
 /// decides when windows (times between two exchanges with the gas) may become longer.
 ///
 /// Drag decreases the root mean square speed R at least as fast as the speed of one sphere that starts with the speed
-/// R. The reason is that the power of drag at the speed w, m w²/τ(w) with the response time τ, is a convex function of
-/// w² if 1/τ is a sum of growing powers of w. The laws of Stokes and of Schiller and Naumann have this form, except for
-/// a small jump at a Reynolds number of 1000. So the mean of this power is at least its value at R (Jensen's
-/// inequality). Collisions of spheres that do not rotate and walls at rest add no energy ([`is_fed`]). Gravity g adds
-/// at most the speed of a fall from rest. Let S be the sum of two speeds: that of this fall, and one that begins at the
-/// initial R and decreases by drag alone. Drag grows at least in proportion to w, so dS/dt >= g - S/τ(S), while dR/dt
-/// <= g - R/τ(R). Therefore S is an upper limit of R.
+/// R. The reason is as follows. The power of drag at the speed w is m w²/τ(w), with the mass m and the response time τ.
+/// It is a convex function of w² if 1/τ is a sum of growing powers of w. The laws of Stokes and of Schiller and Naumann
+/// have this form, except for a small jump at a Reynolds number of 1000. So the mean of this power is at least its
+/// value at R (Jensen's inequality). Collisions of spheres that do not rotate and walls at rest add no energy
+/// ([`is_fed`]). Gravity g adds at most the speed of a fall from rest. Let S be the sum of two speeds: that of this
+/// fall, and one that begins at the initial R and decreases by drag alone. Drag grows at least in proportion to w, so
+/// dS/dt >= g - S/τ(S), while dR/dt <= g - R/τ(R). Therefore S is an upper limit of R.
 pub(super) struct Slowing<'a> {
     experiment: &'a Experiment,
     /// [m/s] root mean square speed R at the start.

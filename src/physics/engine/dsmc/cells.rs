@@ -40,13 +40,13 @@ const PER_BLOCK: f64 = 500.0;
 const DENSEST: f64 = 0.74;
 
 /// Number of lattice points along each edge of a cell that a wall cuts. The open part of the cell is the fraction of
-/// lattice points at which centres of particles can be. Its error is about a tenth of the cell.
+/// lattice points at which centres of particles can be. The error of this fraction is about a tenth.
 const LATTICE: usize = 6;
 
 /// Largest number of cells that the program chooses along an axis. This number limits the memory in a nearly empty box.
 const MOST_CELLS: f64 = 1024.0;
 
-/// Number of cells that a thread treats as one piece of work.
+/// Number of cells whose collisions a thread computes as one piece of work.
 pub const PIECE: usize = 256;
 
 /// Summary of the radii of all particles of a run, from which the sizes of cells follow.

@@ -1,4 +1,4 @@
-//! Collisions by chance of the pairs in one cell.
+//! Collisions by chance: in each cell, pairs of particles that are chosen at random collide.
 
 use super::cells::Crowding;
 use crate::encounter::{Couple, Encounter};
@@ -151,9 +151,9 @@ fn take_pair(
     }
 }
 
-/// Chooses at random the geometry of a collision of the two particles in the store `pair`, given the velocity [m/s] of
-/// the first relative to the second and its magnitude `speed` [m/s]. The impact parameter is uniform over the
-/// cross-section of the pair.
+/// Chooses at random the geometry of a collision of the two particles in the store `pair`. `relative` [m/s] is the
+/// velocity of the first relative to the second, and `speed` [m/s] the magnitude of `relative`. The impact parameter is
+/// uniform over the cross-section of the pair.
 fn by_chance(pair: &Particles, relative: Vector3<f64>, speed: f64, noise: &mut ChaCha8Rng) -> Collision {
     let along = relative / speed;
     let (aside, across) = perpendicular(&along);

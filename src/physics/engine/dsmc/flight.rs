@@ -190,8 +190,8 @@ fn fly_among_walls(
 }
 
 /// [s] longest time for which a particle may fly before near walls are searched again, if `left` [s] of its flight
-/// remain. In this time it moves by at most one period of the box. So all periodic images of walls that it may reach
-/// are tested. The result is infinite if no wall has images, and in a sheared box.
+/// remain. In this time the particle moves by at most one period of the box. So all periodic images of walls that it
+/// may reach are tested. The result is infinite if no wall has images, and in a sheared box.
 fn longest_piece(scene: &Scene, flight: &Flight, left: f64) -> f64 {
     let domain = &scene.domain;
     let has_images = scene.walls.iter().any(|wall| matches!(wall.geometry, WallGeometry::Repeated(_)));

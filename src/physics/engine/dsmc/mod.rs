@@ -57,8 +57,8 @@ pub fn cells_and_path(scene: &Scene, settings: &DsmcSettings, groups: &[(usize, 
     (cells.edges(), sizes.mean_free_path(scene.room(), settings.enskog))
 }
 
-/// Largest number of windows (times between two exchanges with the gas) that share one collision step. The collision
-/// rate is known only from the last step, and may have changed since.
+/// Largest number of windows (times between two exchanges with the gas) that share one collision step. More windows
+/// would be too many, because the collision rate is known only from the last step, and may have changed since.
 const MOST_WINDOWS: f64 = 16.0;
 
 /// Data of the engine that follow from the scene and from the sizes of the particles; made at the first window.
@@ -170,8 +170,8 @@ impl Dsmc {
         Ok(())
     }
 
-    /// Moves the particles through a window (time between two exchanges with the gas) in `steps` equal steps: half a
-    /// flight, the collisions, and half a flight.
+    /// Moves the particles through a window (time between two exchanges with the gas) in `steps` equal steps. Each step
+    /// consists of half a flight, the collisions, and another half of a flight.
     fn steps(
         &mut self,
         particles: &mut Particles,

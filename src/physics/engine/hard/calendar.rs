@@ -13,8 +13,9 @@ use std::cmp::Reverse;
 /// so that runs are reproducible.
 type DueEvent = Reverse<(OrderedFloat<f64>, u32)>;
 
-/// Event queue of an island (group of particles that may meet), with at most one coming touch for each slot, the number
-/// of a candidate pair or wall in the neighbour list. A new touch at a slot replaces the old one.
+/// Event queue of an island (group of particles that may meet). It contains at most one coming touch for each slot. A
+/// slot is the number of a candidate (pair, or particle and wall) in the neighbour list. A new touch at a slot replaces
+/// the old one.
 #[derive(Clone, Default)]
 pub struct Calendar {
     queue: PriorityQueue<u32, DueEvent, FxBuildHasher>,
@@ -26,9 +27,9 @@ impl Calendar {
         self.queue.clear();
     }
 
-    /// Sets the time `time` [s since the start of the part, an interval of time] of the next touch of the two bodies at
-    /// `slot`, their number in the neighbour list. With `None`, no touch is coming, and an earlier entry of the slot is
-    /// removed.
+    /// Sets the time `time` of the next touch of the two bodies with the number `slot` in the neighbour list. The time
+    /// is in s since the start of the part (interval of time). With `None`, no touch is coming, and an earlier entry of
+    /// the slot is removed.
     pub fn set(&mut self, slot: u32, time: Option<f64>) {
         match time {
             Some(time) => {

@@ -19,11 +19,12 @@ const COLLAPSE_STREAK: u8 = 200;
 /// which body a sphere meets next.
 const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
-/// Number of successive flights of a particle, each shorter than the one before, after which an unresolvably short
-/// flight shows an inelastic collapse, if the collision at its end loses energy. A collapsing group has only some dozen
-/// more impacts after such a flight, because its relative speeds then fall below rounding. So the limit
-/// [`COLLAPSE_STREAK`] would not be reached. By chance, three flights in a row are each shorter than the one before in
-/// one of 24 cases. A chance flight is shorter than 10⁻¹⁴ of the box with a probability of about 10⁻¹⁴.
+/// Number of successive flights of a particle, each shorter than the one before, that precede an inelastic collapse. If
+/// an unresolvably short flight follows, and the collision at its end loses energy, the particle has collapsed. A
+/// collapsing group has only some dozen more impacts after such a flight, because its relative speeds then fall below
+/// rounding. So the limit [`COLLAPSE_STREAK`] would not be reached. By chance, three flights in a row are each shorter
+/// than the one before in one of 24 cases. A chance flight is shorter than 10⁻¹⁴ of the box with a probability of about
+/// 10⁻¹⁴.
 const ZENO_FLIGHTS: u8 = 3;
 
 /// Number of impacts of one particle within one window, the time between two exchanges with the gas, that counts as an
@@ -32,7 +33,8 @@ const ZENO_FLIGHTS: u8 = 3;
 const COLLAPSE_IMPACTS: u32 = 1_000_000;
 
 /// Last collision of one particle, stored from one window (time between two exchanges with the gas) to the next. The TC
-/// model needs it: a collision is elastic soon after another one of the same particle.
+/// model needs the time of this collision: in the model, a collision is elastic soon after another one of the same
+/// particle.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Recent {
     /// Index of the particle in the particle store.

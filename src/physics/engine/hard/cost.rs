@@ -1,6 +1,6 @@
-//! Estimate of the cost (computing time) of moving all particles by one event queue. The engine compares it with the
-//! cost of islands, groups of particles that may meet and that are computed separately. A window is the time between
-//! two exchanges with the gas.
+//! Estimate of the cost (computing time) of moving all particles by one event queue. The engine compares this estimate
+//! with the cost of islands, groups of particles that may meet and that are computed separately. A window is the time
+//! between two exchanges with the gas.
 
 use crate::engine::Window;
 use crate::engine::islands::SpeedSummary;
@@ -30,11 +30,12 @@ const DENSE: f64 = 0.2;
 /// in this window, the time between two exchanges with the gas. With `None` the event queue of all particles is used
 /// without trying islands.
 ///
-/// Without drag the event queue remains valid from window to window, so it is used for dense systems. Drag changes
-/// velocities in every window, so all events would have to be predicted again. For particles of several sizes, the
-/// costs of islands and of the queue are compared, because islands of the largest spheres are the first to unite into
-/// large islands, which are costly. For spheres of one size the limit is infinite. In the cases of this project,
-/// islands cost 1 % to 70 % as much as a queue that is rebuilt in every window (70 %: dense gas, volume fraction 0.3).
+/// Without drag the event queue remains valid from window to window, so the queue is used for dense systems. Drag
+/// changes velocities in every window, so all events would have to be predicted again. For particles of several sizes,
+/// the costs of islands and of the queue are compared. The reason is that islands of the largest spheres are the first
+/// to unite into large islands, which are costly. For spheres of one size the limit is infinite. In the cases of this
+/// project, islands cost 1 % to 70 % as much as a queue that is rebuilt in every window (70 %: dense gas, volume
+/// fraction 0.3).
 pub fn fallback_cost(
     population: &PopulationSummary,
     speeds: &SpeedSummary,

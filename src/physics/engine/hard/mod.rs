@@ -62,7 +62,7 @@ struct Memory {
     /// meet) have moved or sorted the particles, or a trial of islands has failed.
     outdated: bool,
     /// Number of windows for which islands (groups of particles that may meet) were not tried after the last failed
-    /// trial. A failed trial doubles it, from one up to [`LONGEST_STAY`], and a successful trial halves it.
+    /// trial. A failed trial doubles this number, from one up to [`LONGEST_STAY`], and a successful trial halves it.
     stay: u32,
     /// Number of windows that remain until islands (groups of particles that may meet) are tried again.
     left: u32,
@@ -99,7 +99,7 @@ impl Hard {
     }
 
     /// Makes an engine that always uses one event queue for all particles. Tests compare the results of islands (groups
-    /// of particles that may meet) with it.
+    /// of particles that may meet) with those of this engine.
     pub fn with_one_calendar() -> Self {
         let mut engine = Self::new();
         engine.solver.way = WindowMethod::OneCalendar;

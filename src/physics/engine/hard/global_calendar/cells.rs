@@ -125,7 +125,7 @@ impl ShellGrid {
         std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as usize).min(self.count[axis] - 1))
     }
 
-    /// Number of cells.
+    /// Number of cells of the grid.
     pub fn cells(&self) -> usize {
         self.first.len()
     }

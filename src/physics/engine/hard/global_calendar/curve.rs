@@ -10,7 +10,8 @@ use rayon::prelude::*;
 /// edge of the box.
 const BITS: u32 = 10;
 
-/// Indices of the particles in the order in which Morton's curve meets their positions; these must be inside the box.
+/// Indices of the particles in the order in which Morton's curve meets their positions. All positions must be inside
+/// the box.
 pub fn order(particles: &Particles, domain: &Domain) -> Vec<u32> {
     let cells = f64::from(1u32 << BITS);
     // cells are cubes, because flat cells would cut a long box into slices

@@ -75,7 +75,7 @@ pub struct EventQueue {
     /// [1/s] number of bins per time, the inverse of the interval of a bin.
     rate: f64,
     /// Number of the bin that contains the present time, counted from the epoch (instant from which times are counted).
-    /// Its place in the ring is this number modulo the number of bins.
+    /// The place of this bin in the ring is its number modulo the number of bins.
     current: u64,
 }
 
@@ -107,8 +107,8 @@ impl EventQueue {
         }
     }
 
-    /// Empties the queue, and chooses the interval of its bins for a few events, which the caller then inserts. Of
-    /// these, the events before `end` [s] will be processed. The present time is `now` [s]. Both times are counted from
+    /// Empties the queue, and chooses the interval of time that each bin covers. The caller then inserts a few events,
+    /// of which those before `end` [s] will be processed. The present time is `now` [s]. Both times are counted from
     /// the epoch (zero of the calendar's time).
     pub fn restart(&mut self, now: f64, end: f64) {
         self.near.clear();

@@ -1,7 +1,7 @@
 //! Frame of reference of the calendar (the event queue of all particles). The frame falls with gravity, so flights are
 //! straight in it. When the calendar is built, the frame moves with the mean velocity of the particles along the walls.
-//! If they fly together as a layer, it moves with their whole mean velocity. The epoch is the instant from which times
-//! are counted.
+//! If the particles fly together as a layer, the frame moves with their whole mean velocity. The epoch is the instant
+//! from which times are counted.
 
 use crate::walls::Flight;
 use nalgebra::Vector3;
@@ -32,8 +32,8 @@ impl FallingFrame {
         self.velocity + self.gravity * time
     }
 
-    /// Flight relative to the scene, from `time` [s] since the epoch (zero of the calendar's time) on, of a body that
-    /// has `position` [m] and `velocity` [m/s] in this frame at that time.
+    /// Flight of a body relative to the scene, from `time` [s] since the epoch (zero of the calendar's time) on. At
+    /// that time the body has `position` [m] and `velocity` [m/s] in this frame.
     pub fn flight(&self, position: &Vector3<f64>, velocity: &Vector3<f64>, time: f64) -> Flight {
         Flight {
             position: position + self.origin(time),

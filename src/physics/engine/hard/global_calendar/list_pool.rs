@@ -5,8 +5,8 @@
 //! unused. Above 64 entries the steps from one size to the next grow, to at most an eighth of the size, so that there
 //! are few different sizes.
 
-/// Number of entries by which the sizes of the smallest rooms (memory blocks of neighbour lists) differ. It equals the
-/// number of neighbours that are tested at the same time.
+/// Number of entries by which the sizes of the smallest rooms (memory blocks of neighbour lists) differ. The value
+/// equals the number of neighbours that are tested at the same time.
 const STEP: u32 = 4;
 
 /// Size of the smallest room (memory block of a neighbour list), counted in steps of four entries. This room fills half

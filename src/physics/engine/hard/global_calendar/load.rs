@@ -31,9 +31,10 @@ use std::f64::consts::{PI, SQRT_2};
 /// counted. Over a longer time the rounding errors of times would matter as much as those of positions.
 const CROSSINGS: f64 = 8.0;
 
-/// [-] distance that the frame may move towards a wall between two epochs (instants from which times are counted) while
-/// it follows a flying layer of particles, divided by the largest diameter. All particles within this distance of a
-/// wall are tested for a touch. A shorter distance needs more epochs, at each of which all lists are built again.
+/// [-] distance that the frame may move towards a wall while it follows a flying layer of particles, divided by the
+/// largest diameter. The limit applies to the time between two epochs, the instants from which times are counted. All
+/// particles within this distance of a wall are tested for a touch. A shorter distance needs more epochs, at each of
+/// which all lists are built again.
 const FOLLOWED: f64 = 2.0;
 
 /// Smallest number of particles whose common motion the frame follows. The mean velocity of few particles is large by
@@ -387,7 +388,7 @@ fn is_built_each_epoch(scene: &Scene) -> bool {
     scene.has_moving_walls() || across(scene, scene.gravity) != Vector3::zeros()
 }
 
-/// Mean velocity [m/s] of all particles, and mean square [m²/s²] of the velocities relative to it.
+/// Mean velocity [m/s] of all particles, and mean square [m²/s²] of the velocities relative to this mean.
 fn mean_and_fluctuation(particles: &Particles) -> (Vector3<f64>, f64) {
     let mean = particles.mean_velocity();
     let square: f64 = particles.velocity.iter().map(|velocity| (velocity - mean).norm_squared()).sum();

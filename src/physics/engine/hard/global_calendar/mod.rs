@@ -129,8 +129,8 @@ pub struct GlobalCalendar {
     frame: FallingFrame,
     /// Present time [s], counted from the epoch, the zero of the calendar's time.
     now: f64,
-    /// Time [s] since the epoch (zero of the calendar's time) at which a new epoch must begin, before rounding errors
-    /// of times grow too large, and before the frame or walls have moved too far.
+    /// Time [s] since the epoch (zero of the calendar's time) at which a new epoch must begin. After this time,
+    /// rounding errors of times would be too large, or the frame or walls would have moved too far.
     limit: f64,
     /// Time [s] since the epoch (zero of the calendar's time) up to which events are predicted and queued. It is the
     /// end of the window if drag changes velocities after every window, otherwise infinite.

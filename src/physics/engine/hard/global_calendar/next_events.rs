@@ -135,7 +135,7 @@ impl<'a> ParticleRange<'a> {
         &self.bodies[(index - self.first) as usize]
     }
 
-    /// Shell of the particle at `index`.
+    /// Shell of the particle at `index`, the ball in which its neighbour list is valid.
     #[inline(always)]
     pub fn shell(&self, index: u32) -> &'a Shell {
         &self.next_events[(index - self.first) as usize].shell

@@ -28,13 +28,13 @@ pub struct EventCounts {
 
 /// A part of the particles, with consecutive indices, whose events one thread processes in the order of time.
 pub struct Part<'a> {
-    /// Data that no event changes.
+    /// Data of the calendar (event queue of all particles) that no event changes.
     pub around: &'a CalendarView<'a>,
     /// The particle store, with the species of all particles.
     pub particles: ParticleAccess<'a>,
     /// Index, in the particle store, of the first particle of this part.
     pub first: u32,
-    /// Flights of the particles.
+    /// Straight flights of the particles of this part.
     pub bodies: &'a mut [FlightState],
     /// Next two events of each particle.
     pub next_events: &'a mut [NextEvents],

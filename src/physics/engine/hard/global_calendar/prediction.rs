@@ -59,7 +59,7 @@ const RESOLUTION: f64 = 4.0 * f64::EPSILON;
 /// Flights of particles with consecutive indices, and all other data that a prediction of their events reads.
 #[derive(Clone, Copy)]
 pub struct Flights<'a> {
-    /// Data that no event changes.
+    /// Data of the calendar (event queue of all particles) that no event changes.
     pub around: &'a CalendarView<'a>,
     /// Index of the first particle of these flights in the particle store.
     pub first: u32,
@@ -73,7 +73,7 @@ pub struct Flights<'a> {
 }
 
 impl<'a> Flights<'a> {
-    /// Flight of the particle at `index`; `None` if it does not belong to these flights.
+    /// Flight of the particle at `index`; `None` if these flights do not include this particle.
     #[inline(always)]
     pub fn get(&self, index: u32) -> Option<&'a FlightState> {
         self.bodies.get(index.wrapping_sub(self.first) as usize)

@@ -57,9 +57,9 @@ impl Records {
         self.collisions.clear();
     }
 
-    /// Adds the amounts of the collisions of all lists to the ledger of `log` (sums of energies and momenta), in the
-    /// order of time, as if one thread had processed all collisions. If the log is full, it is added to the record of
-    /// the run. `before` is the number of earlier collisions of the run.
+    /// Adds the amounts of the collisions of all lists to the ledger of `log` (sums of energies and momenta). The
+    /// amounts are added in the order of time, as if one thread had processed all collisions. If the log is full, it is
+    /// added to the record of the run. `before` is the number of earlier collisions of the run.
     pub fn merge(lists: &[&Self], log: &mut Log, record: &mut Record, before: u64) {
         let mut collisions = before;
         let mut rest: Vec<&[CollisionRecord]> = lists.iter().map(|list| list.collisions.as_slice()).collect();

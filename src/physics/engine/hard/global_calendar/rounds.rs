@@ -96,8 +96,8 @@ pub struct Round {
     pub is_border: bool,
     /// True if a particle was too fast, or if an event failed; one thread then repeats the present round.
     pub must_be_repeated: bool,
-    /// [s] time since the epoch of the earliest event that was processed too early, before an event on which it
-    /// depends; the round is then repeated up to this time. It is infinite if there is no such event.
+    /// [s] time since the epoch (zero of time) of the earliest event that was processed too early, before an event on
+    /// which it depends. The round is then repeated up to this time. Infinite if there is no such event.
     pub early: f64,
 }
 
@@ -328,8 +328,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// Chooses the speed that no particle may exceed, the length of the next round (piece of time shared by threads),
-    /// and the time for which touches are predicted after an exit from a shell.
+    /// Chooses the speed that no particle may exceed in a round (piece of time shared by threads), and the length of
+    /// the next round. Also chooses the time for which touches are predicted after an exit from a shell.
     pub(super) fn limit_speed(&mut self) {
         let fastest = self.bodies.iter().map(|body| body.velocity.norm_squared()).fold(0.0, f64::max).sqrt();
         self.speed = FASTER * fastest;

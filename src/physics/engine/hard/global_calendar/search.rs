@@ -34,8 +34,8 @@ impl FoundNeighbours {
     }
 }
 
-/// True if a periodic image of one of the particles in `others` may be nearer to particle `i` than that particle
-/// itself, at the time `now` [s] since the epoch (zero of the calendar's time). False is returned only if all these
+/// True if one of the particles in `others` may have a periodic image that is nearer to particle `i` than the particle
+/// itself. The time `now` [s] counts from the epoch (zero of the calendar's time). False is returned only if all these
 /// particles are less than half the shortest periodic edge of the box apart from `i`.
 pub fn has_images(i: u32, others: &[u32], particles: ParticleRange, (domain, now): (&Domain, f64)) -> bool {
     let here = particles.body(i).position_at(now);

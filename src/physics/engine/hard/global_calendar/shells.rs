@@ -228,8 +228,8 @@ impl Shells {
         }
     }
 
-    /// True if the shell of a particle (ball in which its neighbour list is valid) is so near to a sheared side of the
-    /// box that the particle may have neighbours across that side.
+    /// True if a particle may have neighbours across a sheared side of the box, because its shell is near that side. A
+    /// shell is the ball in which a neighbour list is valid.
     pub fn is_at_sheared_side(&self, shell: &Shell, domain: &Domain) -> bool {
         if domain.shear.is_none() {
             return false;

@@ -33,7 +33,7 @@ pub const MOST_PARTS: usize = EMPTY as usize;
 
 impl Territories {
     /// Gives each cell of `cells` to the part (particles of one thread) whose shells the cell contains. `next_events`
-    /// contains the shells of all particles. An empty cell goes to the part of the cell before it.
+    /// contains the shells of all particles. An empty cell goes to the part of the cell with the next lower number.
     pub fn of(cells: &ShellGrid, division: &Division, next_events: &[NextEvents]) -> Self {
         let mut owner = vec![EMPTY; cells.cells()];
         for (index, events) in (0..).zip(next_events) {

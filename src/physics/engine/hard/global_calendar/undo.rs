@@ -5,15 +5,15 @@ use super::append;
 use super::next_events::FlightState;
 use crate::engine::hard::collapse_detector::LastCollision;
 
-/// States of particles before each collision of a round (piece of time in which several threads process events), and
-/// particles whose events must be predicted again if the round is undone.
+/// States of particles before each collision of a round (piece of time in which several threads process events). Also
+/// the particles whose events must be predicted again if the round is undone.
 #[derive(Clone, Debug, Default)]
 pub struct Undo {
     /// Flight of each particle that collided, before the collision.
     flights: Vec<FlightState>,
     /// Index of each of these particles, with its collision history before the collision.
     histories: Vec<(u32, LastCollision)>,
-    /// Index of each particle that had another event.
+    /// Index of each particle that had an event other than a collision.
     others: Vec<u32>,
 }
 

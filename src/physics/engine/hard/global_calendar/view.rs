@@ -51,8 +51,8 @@ pub struct CalendarView<'a> {
 }
 
 impl<'a> CalendarView<'a> {
-    /// Time [s] from the instant for which the scene gives the place of a moving wall to the time `now` [s] since the
-    /// epoch (zero of the calendar's time); 0 for a wall that does not move.
+    /// Time [s] that has passed since the moving wall `wall` was at its place in the scene; 0 for a wall that does not
+    /// move. The present time is `now` [s] since the epoch (zero of the calendar's time).
     #[inline]
     pub fn ahead(&self, wall: &Wall, now: f64) -> f64 {
         wall.moving.as_ref().map_or(0.0, |moving| self.epoch + now - moving.time())
@@ -65,9 +65,9 @@ impl<'a> CalendarView<'a> {
         self.scene.domain.at(self.epoch + now)
     }
 
-    /// Vector [m] from `b` to the nearest periodic image of `a`, and velocity [m/s] of this image relative to `b`, at
-    /// `now` [s] since the epoch (zero of the calendar's time). `velocity` [m/s] is that of `a` itself relative to `b`;
-    /// the velocity of the image differs from it only across sheared sides.
+    /// Vector [m] from `b` to the nearest periodic image of `a`, and velocity [m/s] of this image relative to `b`. The
+    /// time is `now` [s] since the epoch (zero of the calendar's time). `velocity` [m/s] is that of `a` itself relative
+    /// to `b`; the velocity of the image differs from this velocity only across sheared sides.
     #[inline]
     pub fn relative(
         &self,
@@ -82,14 +82,14 @@ impl<'a> CalendarView<'a> {
         self.domain(now).relative(a, b, velocity, 0.0)
     }
 
-    /// Position [m] of the particle with the flight `body` in the falling frame at `now` [s] since the epoch (zero of
-    /// the calendar's time), shifted by whole periods into the box.
+    /// Position [m] in the falling frame, shifted by whole periods into the box, of the particle with the flight
+    /// `body`. The time is `now` [s] since the epoch (zero of the calendar's time).
     #[inline]
     pub fn centre(&self, body: &FlightState, now: f64) -> Vector3<f64> {
         self.scene.domain.wrap(&body.position_at(now))
     }
 
-    /// Flight, relative to the scene, of a body that has `position` [m] and `velocity` [m/s] in the frame of the
+    /// Flight of a body relative to the scene. The body has `position` [m] and `velocity` [m/s] in the frame of the
     /// calendar at `now` [s] since the epoch (zero of the calendar's time).
     pub fn flight(&self, position: &Vector3<f64>, velocity: &Vector3<f64>, now: f64) -> Flight {
         self.frame.flight(position, velocity, now)

@@ -49,8 +49,8 @@ impl CalendarView<'_> {
     }
 
     /// True if the particle with the flight `body` may touch a wall before it leaves its shell, or before the next
-    /// epoch. The shell is the ball in which its neighbour list is valid, here about its position at `now` [s] since the
-    /// epoch (zero of the calendar's time).
+    /// epoch. The shell is the ball in which its neighbour list is valid. Here it is the ball about its position at
+    /// `now` [s] since the epoch (zero of the calendar's time).
     pub fn at_wall(&self, body: &FlightState, now: f64) -> bool {
         let scene = self.scene;
         if scene.walls.is_empty() {
