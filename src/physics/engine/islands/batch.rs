@@ -16,8 +16,8 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// State of a hot particle (a member of an island) at the end of a part, a piece of the time between two exchanges with
-/// the gas. Position and velocity are relative to the frame at rest.
+/// State of a hot particle (a member of an island) at the end of a part, a piece of the time between two exchanges
+/// with the gas. Position and velocity are relative to the frame at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct HotParticle {
     /// Index of the particle in the particle store.
@@ -55,7 +55,7 @@ impl From<Failure> for GivenUp {
     }
 }
 
-/// Place in memory of the result of a solved island (group of particles that may meet).
+/// Place of the result of a solved island (group of particles that may meet).
 #[derive(Clone, Copy)]
 pub struct IslandResult {
     /// Number of the batch (islands that one thread has solved) that contains the result.
@@ -76,11 +76,11 @@ pub enum Retry {
     Crowd,
 }
 
-/// Result of one solved island; the ranges refer to the lists of its `Batch`.
+/// Result of one solved island; the ranges refer to the lists of the `Batch` that contains this result.
 pub struct Solved {
     pub which: usize,
-    /// Particles because of which the island must be solved again; with an empty list the result is valid. The error is
-    /// the reason why the island was given up.
+    /// Particles because of which the island must be solved again; the result is valid if the list is empty. The error
+    /// is the reason why the island was given up.
     pub stopped: Result<Vec<Stop>, GivenUp>,
     pub states: Range<usize>,
     pub carried: Range<usize>,
@@ -99,8 +99,8 @@ pub struct Solved {
     pub pair_checks: u64,
     /// Number of contact forces that were computed in the island, those of uniform steps included.
     pub force_evaluations: u64,
-    /// Work: the number of moved particles, summed over all stages of the time integrator, plus the number of gaps
-    /// checked after steps.
+    /// Measure of the work: one for each particle moved in each stage of the time integrator, plus one for each gap
+    /// checked after a step.
     pub updates: u64,
 }
 
@@ -134,7 +134,7 @@ impl<C> Batch<C> {
 /// Results of all islands (groups of particles that may meet) for a part, a piece of the time between two exchanges
 /// with the gas.
 pub struct IslandResults<'a, C> {
-    /// Places, in `batches`, of the results of all islands.
+    /// Places of the results of all islands in the list `batches`.
     pub landing: &'a Landing,
     /// Results of the islands; one thread has solved all islands of a batch.
     pub batches: &'a [Batch<C>],
@@ -194,8 +194,8 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
     }
 
     /// Writes the results of the islands into the particle store. `fly` moves the position (first argument) of each
-    /// other particle on a straight line by its velocity (second argument). `labels` marks the members of islands, by
-    /// particle index; the marks are removed.
+    /// other particle on a straight line by its velocity (second argument). `labels` contains, by particle index, the
+    /// marks of the members of islands; the function removes them.
     pub fn put(
         &self,
         particles: &mut Particles,
@@ -205,8 +205,7 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         let parts = particles.motion_chunks(CHUNK).into_iter().zip(labels.chunks_mut(CHUNK));
         work_sharing::for_each(parts, |(mut chunk, labels)| {
             for (index, label) in labels.iter_mut().enumerate() {
-                // labels of other particles are not written, so that threads need not exchange the cache lines of
-                // labels
+                // labels of other particles are not written: threads that write to one cache line wait for each other
                 let member = if label.is_some() { label.take() } else { None };
                 match member.and_then(|label| self.state(label)) {
                     Some(state) => {
@@ -318,7 +317,7 @@ impl<S: Solve> Workbench<S> {
 }
 
 /// Adds the carried item `carried`, such as a contact in progress, to an island (group of particles that may meet).
-/// Returns false, and adds nothing, if one of the item's particles is not in the island.
+/// Returns false, and adds nothing, if a particle of the item is not in the island.
 fn take_in<S: Solve>(island: &mut Island<S::Carried>, carried: &S::Carried) -> bool {
     let known = S::indices(carried).into_iter().flatten().all(|index| island.local(index).is_some());
     if known {

@@ -31,7 +31,7 @@ pub struct IslandCost {
     pub fallback_cost: f64,
 }
 
-/// A part: a piece of a window (time between two exchanges with the gas) for which islands are found and solved.
+/// A part, a piece of a window (time between two exchanges with the gas) for which islands are found and solved.
 pub struct WindowPiece<'a> {
     /// [s] time from the start of the window to the start of the part (interval of time).
     pub elapsed: f64,
@@ -78,7 +78,7 @@ pub struct PartCosts {
     search: f64,
     /// [ns] cost of checking one pair of particles for a touch.
     pair: f64,
-    /// [ns] cost per hot particle (member of an island) of making and solving its island.
+    /// [ns] cost of making and solving islands, per hot particle (member of an island).
     island: f64,
     /// [-] distance within which a hot particle (member of an island) may meet other hot particles, divided by the mean
     /// length of a flight in the part (interval of time).
@@ -116,9 +116,9 @@ pub struct Cheapest {
     pub pairs: f64,
 }
 
-/// Chooses the length of the next part, a piece of the rest of the window, with the lowest cost per simulated time.
-/// `None` if, at every length, islands cost more than the classical algorithm or nearly all islands would unite. Also
-/// `None` if the largest particle is as wide as half a period of the box.
+/// Chooses the length of the next part (a piece of the rest of the window) that has the lowest cost per simulated
+/// time. `None` if at every length islands cost more than the classical algorithm, which moves all particles at once,
+/// or nearly all islands would unite. Also `None` if the largest particle is as wide as half a period of the box.
 ///
 /// In a longer part, one search for touching particles serves for more time, but it checks more pairs and finds more
 /// islands.
@@ -137,8 +137,9 @@ pub fn cheapest_part(
     let count = population.count as f64;
     let search = weights.search + HELD * held as f64 / count;
     let diameter = 2.0 * largest;
-    // distance of the centres at touch, divided by the largest diameter: mean square over all pairs, and mean over the
-    // partners of a largest particle. Islands of the largest particles are the first to unite.
+    // mean square of the distance between two centres at touch, over all pairs, divided by the largest diameter
+    // squared; and mean of this distance over the partners of a largest particle, divided by the largest diameter.
+    // Islands of the largest particles are the first to unite.
     let square = 0.5 * (mean_square + mean * mean) / (largest * largest);
     let of_largest = 0.5 * (1.0 + mean / largest);
     // rate at which a particle becomes hot (touches another): density times cross-section times mean relative speed;
@@ -159,7 +160,7 @@ pub fn cheapest_part(
         let part = left / pieces;
         let edge = diameter + speeds.largest * part;
         let hot = rate * part;
-        // a run of at most eight particles has only small islands; more particles must be dilute
+        // up to eight particles form only small islands; more particles are solved in islands only if they are dilute
         let reach = diameter * of_largest + weights.reach * speeds.mean * part;
         let others = if count > 8.0 { density * hot * 4.0 / 3.0 * PI * reach.powi(3) } else { 0.0 };
         if others < weights.crowded {

@@ -1,7 +1,7 @@
 //! Groups of hot particles that become islands, with bounds on the distance that each member may reach. Speeds are
 //! relative to a frame that moves with the mean velocity of all particles along the walls. Particles are *hot* if they
 //! touch something on their straight flight in this part, *cold* if they do not. A part is a piece of a window, the
-//! time between two exchanges with the gas. *Carried* contacts (or recent collisions) continue from one part to the
+//! time between two exchanges with the gas. Carried contacts (or recent collisions) continue from one part to the
 //! next. A crowd is a large island that is moved by uniform steps.
 
 mod bounded;
@@ -40,10 +40,10 @@ const BATCH: usize = 64;
 pub struct Member {
     pub(in crate::engine) index: u32,
     pub(in crate::engine) cluster: u32,
-    /// The ball that contains the particle in this part (interval of time) if it flies straight all the time.
+    /// Ball that contains the particle in this part (interval of time) if the particle flies straight all the time.
     pub(in crate::engine) flight: BoundingSphere,
-    /// The ball that contains the particle from the first touch in its island to the end of the part (interval of
-    /// time). Before that touch the particle flies straight.
+    /// Ball that contains the particle from the first touch in its island to the end of the part (interval of time).
+    /// Before that touch the particle flies straight.
     pub(in crate::engine) ball: BoundingSphere,
     /// Radius [m] of a ball about the middle of the straight flight that contains both `flight` and `ball`.
     around: f64,
@@ -61,39 +61,43 @@ pub type Few = SmallVec<[u32; 4]>;
 
 /// An island (group of particles that may meet) while it is being found: its members, and bounds on their speeds.
 pub struct Cluster {
-    /// Numbers of the members in `Clusters::members`; after `update_reach` they are in the order of the particles' ids.
+    /// Numbers of the members in the list `Clusters::members`. `update_reach` sorts them by the ids of the particles.
     pub(in crate::engine) hot: Few,
     /// Indices in the particle store of the bystanders, in the order of their ids. Bystanders are particles that fly
     /// straight unless a member hits them.
     pub(in crate::engine) bystanders: Few,
-    /// Numbers of the carried contacts (or recent collisions) that belong to the island; after `update_reach` they are
-    /// in ascending order.
+    /// Numbers of the carried contacts (or recent collisions) that belong to the island. `update_reach` sorts them in
+    /// ascending order.
     carried: Few,
-    /// The two largest kinetic energies [J] of members, in the moving frame of the search, the largest first.
+    /// The two largest energies [J] of members, the largest first: kinetic energy of the motion relative to the mean
+    /// velocity of all particles along the walls, and of rotation.
     pub(in crate::engine) energies: [f64; 2],
-    /// The two largest speeds [m/s] of members, in the moving frame of the search, the largest first.
+    /// The two largest speeds [m/s] of members relative to the mean velocity of all particles along the walls, the
+    /// largest first. The speed of a rotating surface is added.
     pub(in crate::engine) speeds: [f64; 2],
     /// Sum of the energies [J] that the carried contacts of the island may give back to its particles.
     pub(in crate::engine) stored: f64,
     /// Largest energy [J] that a single carried contact of the island may give back.
     deepest: f64,
-    /// Lower bound [m/s] of the speed limits of the members: 0 until a member exceeds its limit, then raised.
+    /// Lower bound [m/s] of the speed limits of the members. It is 0 until a member exceeds its limit, and is then
+    /// raised.
     pub(in crate::engine) floor: f64,
     /// Time [s] of the first touch in the island since the start of the part (interval of time). Until then all members
     /// fly straight.
     pub(in crate::engine) first: f64,
-    /// True if the island is a crowd even if it is small: it is moved by uniform steps, since it contains many contacts
-    /// or was too expensive.
+    /// True if the island is a crowd even if it is small: its particles are moved by uniform steps, since it contains
+    /// many contacts or was too expensive.
     pub(in crate::engine) lasts: bool,
     pub(in crate::engine) alive: bool,
     /// Place of the island's result in the lists of results; `None` as long as there is no valid result.
     solved: Option<IslandResult>,
     /// Number of changes of the island so far. Data computed for an earlier version are outdated.
     version: u32,
-    /// Version of the island for which the distances that members may reach were last computed; `None` if never.
+    /// Version of the island for which the distances that its members may reach were last computed; `None` if they
+    /// were never computed.
     settled: Option<u32>,
-    /// Version of the island for which its surroundings were last searched without finding another island; `None` if
-    /// never.
+    /// Version of the island for which a search of its surroundings last found no other island that it may meet;
+    /// `None` if there was no such search.
     seen: Option<u32>,
 }
 
@@ -138,9 +142,9 @@ pub struct Clusters<'a> {
     pub(in crate::engine) list: Vec<Cluster>,
     /// Energy [J] that each carried contact may give back to its particles.
     energy: Vec<f64>,
-    /// Speed [m/s] by which walls raise all speed limits: the velocity that gravity adds towards walls during the part
-    /// (interval of time), plus twice the speed of the fastest moving wall. An impact on a moving wall adds at most
-    /// twice the wall's speed.
+    /// Amount [m/s] by which all speed limits are raised because of walls. It is the velocity that gravity adds
+    /// towards walls during the part (interval of time), plus twice the speed of the fastest wall. An impact on a
+    /// moving wall adds at most twice the speed of the wall.
     fall: f64,
     pub(in crate::engine) members: Vec<Member>,
     /// Largest distance [m] that any member may reach from the middle of its straight flight.
@@ -179,8 +183,9 @@ impl<'a> Clusters<'a> {
     }
 
     /// Makes islands of all particles that touch on straight flights or have a carried contact. `carried` contains the
-    /// two particles of each contact, or one and `None` (for instance at a wall), and `energy` [J] the energy that it
-    /// may give back. If `many` is true, all contacts form one crowd, an island moved by uniform steps.
+    /// two particles of each contact (the second is `None`, for instance, at a wall). `energy` contains the energy [J]
+    /// that each contact may give back. If `many` is true, all contacts form one crowd, an island moved by uniform
+    /// steps.
     fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
         self.energy = energy;
         let mut crowd: Option<usize> = None;
@@ -202,9 +207,9 @@ impl<'a> Clusters<'a> {
         self.settle_all();
     }
 
-    /// Unites the islands of two particles that touch at `time` [s] since the start of the part (interval of time).
-    /// Returns the number of the united island; with `None` for `j`, particle `i` touches a wall. A new island is made
-    /// if neither particle is in one. Energies and speeds of the particles are not read here, but later in parallel.
+    /// Unites the islands of two particles that touch at `time` [s] since the start of the part (interval of time). If
+    /// `j` is `None`, particle `i` touches a wall. Returns the number of the united island. A new island is made if
+    /// neither particle is in one. Energies and speeds of the particles are not read here, but later in parallel.
     fn join(&mut self, i: u32, j: Option<u32>, time: f64) -> usize {
         let known = self.found(i).or_else(|| self.found(j?));
         let mut which = known.unwrap_or_else(|| self.open());
@@ -339,9 +344,9 @@ impl<'a> Clusters<'a> {
         }
     }
 
-    /// Returns where the results are stored: one entry for each solved island, and for each member the number of its
-    /// island and its number within the island. Particles keep their labels as members until the results are written
-    /// into the particle store.
+    /// Returns where the results are stored: the place of the result of each solved island, and for each member the
+    /// number of its island and its number within the island. Particles keep their labels as members until the results
+    /// are written into the particle store.
     pub fn land(self) -> Landing {
         let mut of_member = vec![None; self.members.len()];
         let mut kept = Vec::with_capacity(self.list.len());

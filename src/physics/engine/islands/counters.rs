@@ -22,8 +22,8 @@ pub struct IslandCounters {
     pub searched: u64,
     /// Number of contact forces computed in all islands, those in uniform steps of crowds included.
     pub force_evaluations: u64,
-    /// Work: the number of moved particles, summed over all stages of the time integrator, plus the number of gaps
-    /// checked after steps.
+    /// Measure of the work: one for each particle moved in each stage of the time integrator, plus one for each gap
+    /// checked after a step.
     pub updates: u64,
     /// Estimated number of pairs that searches for touching particles check. Unlike the actual number, it does not
     /// depend on the number of processes that share the run.
@@ -51,7 +51,8 @@ impl IslandCounters {
         self.largest = largest;
     }
 
-    /// Borrows all counts that are sums over islands. Each remaining count is the same in all processes, or a maximum.
+    /// Borrows all counts that are sums over islands. Each remaining count is either equal in all processes that share
+    /// the run, or a maximum.
     pub fn sums(&mut self) -> [&mut u64; 11] {
         let Self { events, impulses, crowd_steps, crowd_forces, pair_checks, searched, .. } = self;
         let Self { force_evaluations, updates, islands, members, redone, .. } = self;

@@ -26,11 +26,11 @@ pub struct Island<C> {
     /// Local indices of all particles, sorted by the index in the particle store, for a binary search. Empty for a
     /// small island, in which a linear search is faster.
     by_index: Vec<u32>,
-    /// Candidates for contacts: pairs of particles, and particles with walls, that may touch in this part (interval of
-    /// time).
+    /// Pairs of particles, and particles with walls, that may touch in this part (interval of time).
     pub list: NeighbourList,
-    /// Contacts in progress (soft spheres) or recent collisions (hard spheres), with local indices of particles. Before
-    /// the island is solved they are those at the start of the part (interval of time), afterwards those at its end.
+    /// Contacts in progress (soft spheres) or recent collisions (hard spheres), with local indices of particles.
+    /// Before the island is solved, the list is that at the start of the part (interval of time); afterwards it is
+    /// that at the end.
     pub carried: Vec<C>,
     /// Log of the impacts and energies in the island.
     pub log: Log,
@@ -49,22 +49,22 @@ pub struct Island<C> {
     pub pair_checks: u64,
     /// Number of contact forces that were computed in the island, those of uniform steps included.
     pub force_evaluations: u64,
-    /// Work: the number of moved particles, summed over all stages of the time integrator, plus the number of gaps
-    /// checked after steps. In uniform steps, each particle and each gap counts only half.
+    /// Measure of the work: one for each particle moved in each stage of the time integrator, plus one for each gap
+    /// checked after a step. In uniform steps, each counts only half.
     pub updates: u64,
     /// Local indices of further particles that exceeded their speed limit, or that were hit although they are
     /// bystanders. The particle that the solver returns is not repeated here.
     pub also: Vec<usize>,
-    /// [m/s] largest speed of any particle so far, relative to the frame of the speed limits. A solver sets it if it
-    /// cannot stop at the moment when a limit is exceeded; otherwise it is 0.
+    /// [m/s] largest speed of any particle so far, relative to the frame of the speed limits. A solver sets this speed
+    /// if it notices only at the end that a limit was exceeded; otherwise the value is 0.
     pub fastest: f64,
-    /// Speed limit [m/s] of each member, relative to the moving frame `frame`. If a member becomes faster, it may leave
-    /// the ball in which other particles were searched.
+    /// Speed limit [m/s] of each member, relative to the moving frame `frame`. A faster member may leave the ball in
+    /// which other particles were searched.
     pub(super) limits: Vec<f64>,
     /// Velocity [m/s] of the moving frame of the speed limits, relative to the frame at rest.
     frame: Vector3<f64>,
-    /// [m/s] mean flow of a sheared box at the place of each particle at the start of the part (interval of time). It
-    /// is added to the velocity of the frame; empty without shear.
+    /// [m/s] mean flow of a sheared box at the place of each particle at the start of the part (interval of time). The
+    /// mean flow is added to the velocity of the frame of the speed limits. The list is empty without shear.
     pub(super) flow: Vec<Vector3<f64>>,
 }
 
@@ -150,8 +150,9 @@ impl<C> Island<C> {
     }
 
     /// True if the particle at the local `index` may have this velocity [m/s], given in the frame that falls with
-    /// gravity from rest at the start of the part (interval of time). Its speed in the moving frame of the limits must
-    /// not exceed its limit. False for a bystander, which must not be touched.
+    /// gravity from rest at the start of the part (interval of time). The speed of a member in the moving frame of the
+    /// limits must not exceed the member's limit. The result for a bystander, which must not be touched, is always
+    /// false.
     pub fn allows(&self, index: usize, velocity: &Vector3<f64>) -> bool {
         let speed = || (velocity - self.frame_of(index)).norm();
         self.limits.get(index).is_some_and(|limit| speed() <= *limit)
@@ -165,8 +166,8 @@ impl<C> Island<C> {
         self.turns.push((index, VelocityChange { time, origin, velocity: velocity - self.frame_of(index as usize) }));
     }
 
-    /// Speed [m/s] of the particle at the local `index`, relative to the moving frame of the speed limits; `fastest` if
-    /// that is larger.
+    /// Speed [m/s] of the particle at the local `index`, relative to the moving frame of the speed limits. If
+    /// `fastest` is larger, `fastest` is returned.
     pub fn speed(&self, index: usize) -> f64 {
         (self.particles.velocity[index] - self.frame_of(index)).norm().max(self.fastest)
     }

@@ -1,18 +1,19 @@
-//! Islands: groups of particles that may meet. With islands, computing work is done only for particles that touch.
+//! Islands: groups of particles that may meet. With islands, only particles that may touch something cost more than a
+//! straight flight.
 //!
 //! A window is the time between two exchanges of momentum with the gas. In a short window nearly every particle of a
-//! dilute gas is alone and flies straight. Particles that touch something on their straight flight are *hot*, all other
-//! particles are *cold*. Hot particles that meet, or might meet after a collision, form an *island*, which an engine
-//! solves separately. Cold particles that a hot one might hit are *bystanders*. If a bystander is hit, the island is
-//! solved again with the bystander as a member. The island is also solved again if a hot particle exceeds its speed
-//! limit. So no contact is missed. Islands are found and solved in a *part* of a window, which is the whole window or a
-//! piece of it. *Carried* contacts (or recent collisions) are those that continue from one part to the next. The
-//! alternative to islands is the *classical algorithm*, which moves all particles at once, by uniform steps or one
-//! event queue.
+//! dilute gas is alone and flies straight. Particles that touch something on their straight flight are *hot*, all
+//! other particles are *cold*. Hot particles that meet, or might meet after a collision, form an *island*, which an
+//! engine solves separately. Cold particles that a hot one might hit are *bystanders*. If a bystander is hit, the
+//! island is solved again with the bystander as a member. The island is also solved again if a hot particle exceeds
+//! its speed limit. So no contact is missed. Islands are found and solved in a *part* of a window, which is the whole
+//! window or a piece of it. *Carried* contacts (or recent collisions) are those that continue from one part to the
+//! next. The alternative to islands is the *classical algorithm*, which moves all particles at once, by uniform steps
+//! or one event queue.
 //!
-//! Some engines, such as that for hard spheres, report every velocity change of a flight. For these engines each island
-//! is first solved as if it were alone (`cluster/traced.rs`). Islands whose trajectories then meet are united and
-//! solved again. There are no bystanders, because the trajectories of members are known and need no upper limits.
+//! Some engines, such as that for hard spheres, report every velocity change of a flight. For these engines each
+//! island is first solved as if it were alone (`cluster/traced.rs`). Islands whose trajectories then meet are united
+//! and solved again. There are no bystanders, because the trajectories of members are known and need no upper limits.
 //!
 //! Islands have no data in common. They are solved in parallel and in any order, with results that are equal to the
 //! last bit.
@@ -57,53 +58,55 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
-/// Solver of one island (a group of particles that may meet). Each engine provides one; several threads use it at the
-/// same time.
+/// Solver of one island (a group of particles that may meet). Each engine provides a solver, which several threads use
+/// at the same time.
 pub trait Solve: Sync {
     /// Method that finds the particles of islands. With [`TracedIslands`], particles must fly straight between
     /// collisions, and the engine must report every velocity change by calling [`Island::turn`].
     type Finder<'a>: IslandFinder<'a>;
     /// State of an island that the next interval of time needs: a contact in progress, or the last collision of a
-    /// particle. It contains indices of particles.
+    /// particle. The state contains indices of particles.
     type Carried: Copy + Send + Sync + Serialize + DeserializeOwned;
     /// Scratch memory of the solver, one for each thread.
     type Scratch: Default + Send;
 
-    /// Indices of the one or two particles of a carried contact or recent collision. An index is `None` if there is no
-    /// second particle.
+    /// Indices of the particles of a contact in progress or of a recent collision. The second entry is `None` if there
+    /// is no second particle.
     fn indices(carried: &Self::Carried) -> [Option<u32>; 2];
 
-    /// Returns a carried contact or recent collision with new indices of its particles: index `p` becomes
-    /// `index_of(p)`. This is needed when the particle store was sorted, or when particles are copied into an island.
+    /// Returns a copy of a contact in progress (or recent collision) with new indices of its particles: index `p`
+    /// becomes `index_of(p)`. This is needed when the particle store was sorted, or when particles are copied into an
+    /// island.
     fn moved(carried: &Self::Carried, index_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
-    /// Energy [J] that a carried contact may give back to its particles; 0 for a recent collision.
+    /// Energy [J] that a contact in progress may give back to its particles; 0 for a recent collision.
     fn energy(&self, carried: &Self::Carried) -> f64;
 
-    /// Energies [J] in the tangential, rolling and twisting spring of a carried contact, which are parts of
-    /// [`energy`](Self::energy).
+    /// Energies [J] in the tangential, rolling and twisting spring of a contact in progress. [`energy`](Self::energy)
+    /// includes them.
     fn spring_energies(&self, _carried: &Self::Carried) -> [f64; 3] {
         [0.0; 3]
     }
 
-    /// The two bodies of a carried contact; `None` for a recent collision.
+    /// The two bodies of a contact in progress; `None` for a recent collision.
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
     /// True if the engine can solve crowds. A crowd is an island without a list of pairs, which is moved by uniform
-    /// steps. It has more than [`LARGEST_ISLAND`] particles, or cost too much with such a list, or contains all
+    /// steps. It has more than [`LARGEST_ISLAND`] particles, or was too expensive with such a list, or contains all
     /// contacts in progress if these are many.
     fn takes_crowds(&self) -> bool {
         false
     }
 
-    /// Moves the particles of an island from the start of a part (interval of time) to its end after `end` [s].
+    /// Moves the particles of an island from the start of a part (interval of time) to its end, `end` [s] later.
     /// `window` is the time from the start of the part to the next exchange with the gas. Returns `None` if the result
     /// is valid. The function stops, and returns the local index of a particle, if that particle exceeds its speed
     /// limit or is hit unexpectedly ([`Island::allows`]). If this happens to several particles, the indices of the
     /// other particles are stored in [`Island::also`].
     ///
     /// # Errors
-    /// The engine fails, or the island costs more than the classical algorithm would.
+    /// The engine fails, or the island costs more than it would cost to move all particles at once (the classical
+    /// algorithm).
     fn solve(
         &self,
         island: &mut Island<Self::Carried>,
@@ -114,24 +117,25 @@ pub trait Solve: Sync {
     ) -> Result<Option<usize>, GivenUp>;
 }
 
-/// Number of searches for touching particles after which the particle store is sorted again. Between two searches
-/// particles move by a small fraction of a cell.
+/// Number of searches for touching particles after which the particle store is sorted again. The sort can be rare,
+/// because particles move by only a small fraction of a cell between two searches.
 const WINDOWS_PER_SORT: u64 = 32;
 
-/// Largest number of particles of an island for which a list of all pairs costs less than uniform steps.
+/// Largest number of particles of an island that is solved with a list of all its pairs. In a larger island, uniform
+/// steps of all particles cost less.
 pub const LARGEST_ISLAND: usize = 200;
 
-/// Number of members above which an island is too large, as long as a shorter interval of time can be tried. Each step
-/// of an island checks all of its pairs, so the cost grows with the square of the number of members. If an island is
-/// too large, the interval is halved, up to [`SHORTER`] times.
+/// Number of members above which an island is too large, as long as a shorter interval of time can be tried. If an
+/// island is too large, the interval is halved, up to [`SHORTER`] times. Large islands are expensive, because each
+/// step of an island checks all of its pairs.
 const LARGE_ISLAND: usize = 48;
 
-/// Number of times that an interval of time with too large islands is halved before the classical algorithm moves all
-/// particles.
+/// Number of times that an interval of time is halved because islands are too large. After that, the classical
+/// algorithm moves all particles at once.
 const SHORTER: i32 = 3;
 
-/// Number of islands that a thread solves as one piece of work. It is fixed, so that results do not depend on the
-/// number of threads.
+/// Number of islands that a thread solves as one piece of work. The number is fixed, so that results do not depend on
+/// the number of threads.
 const BATCH: usize = 64;
 
 /// Method that moves particles through a window (time between two exchanges with the gas) by finding islands and
@@ -187,15 +191,16 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         &self.members
     }
 
-    /// Summary of the sizes of all particles of the run, those of other processes included.
+    /// Summary of the sizes of all particles of the run, in this process and in others.
     pub fn population(&self, work: &Work<C>) -> Arc<PopulationSummary> {
-        // sizes do not change, so the summary is kept while other processes store some of the particles
+        // sizes do not change, so a summary that was made earlier is used while other processes store some of the
+        // particles
         let known = self.processes.population();
         known.unwrap_or_else(|| Arc::new(PopulationSummary::of(&Sample::from(&*work.particles), work.scene)))
     }
 
-    /// Speeds of all particles of the run relative to their mean velocity along the walls, those of other processes
-    /// included.
+    /// Speeds of all particles of the run, in this process and in others, relative to their mean velocity along the
+    /// walls.
     pub fn speeds(&self, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
         let mut sums = work.particles.relative_to_flow(&work.scene.domain).velocity_sums();
         self.processes.total(&mut sums.each_mut());
@@ -203,8 +208,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.speeds_seen_from(along_walls(work.scene, mean), work, population)
     }
 
-    /// Speeds of all particles of the run relative to a frame with the velocity `frame` [m/s], those of other processes
-    /// included.
+    /// Speeds of all particles of the run, in this process and in others, relative to a frame with the velocity
+    /// `frame` [m/s].
     fn speeds_seen_from(&self, frame: Vector3<f64>, work: &Work<C>, population: &PopulationSummary) -> SpeedSummary {
         let relative = work.particles.relative_to_flow(&work.scene.domain);
         let (mut squares, largest) = relative.square_speeds_and_largest(frame);
@@ -215,8 +220,9 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         SpeedSummary { frame, mean, largest: largest[0] }
     }
 
-    /// Moves all particles through the window for as long as islands cost less than the classical algorithm. Returns
-    /// the time [s] from the start of the window that is covered in this way. In a dilute scene it is the whole window.
+    /// Moves all particles through the window for as long as islands cost less than the classical algorithm, which
+    /// moves all particles at once. Returns the time [s] from the start of the window that is covered in this way. In
+    /// a dilute scene it is the whole window.
     ///
     /// If the engine fails in an island, the function returns early without an error. Then the classical algorithm
     /// meets the failure again, and stops at the time of the failure.
@@ -245,7 +251,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
                 self.processes.assemble(solver, work, &mut self.members);
                 return Err(super::not_a_number(work.particles, window.start + done));
             }
-            // contacts are copied into a crowd and back; only engines that take crowds may have many contacts
+            // contacts are copied into a crowd and back; other engines have no contacts that last
             let held = if solver.takes_crowds() { self.processes.held(work.lasting.len()) } else { 0 };
             let limits = PartLimits { left, fallback_cost: *fallback_cost, held, costs: S::Finder::COSTS };
             let Some(cheapest) = cheapest_part(population, &work.scene.domain, &speeds, &limits) else { break };

@@ -17,7 +17,8 @@ pub fn in_order<S: Solve>(solver: &S, work: &mut Work<S::Carried>) {
         };
         (S::indices(carried).map(|index| index.map(|index| id[index as usize])), wall)
     });
-    // several processes may have sent state that involves only ghost particles (copies of particles of other processes)
+    // several processes may have sent one contact (or collision) of two ghost particles (copies of particles of other
+    // processes)
     work.lasting.dedup_by_key(|carried| (S::indices(carried), solver.touching(carried)));
 }
 

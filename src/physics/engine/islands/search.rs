@@ -23,9 +23,9 @@ const ROWS: usize = 16;
 /// Number of near pairs that are collected before the data of their particles are read from the particle store.
 const BATCH: usize = 64;
 
-/// Ball that contains a particle throughout a flight or another interval of its motion, relative to the moving frame of
-/// the search. In a sheared box, the frame of each particle also has the mean flow at its position when the interval
-/// begins.
+/// Ball that contains a particle throughout a flight or another interval of its motion, relative to the moving frame
+/// of the search. In a sheared box, the mean flow at the particle's position at the start of the interval is added to
+/// the velocity of the frame.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BoundingSphere {
     /// [m] centre of the ball, inside the box along periodic axes. For a straight flight it is the middle of the
@@ -50,9 +50,9 @@ impl BoundingSphere {
     }
 
     /// Enlarges the ball in a sheared box, where the frames of two particles move relative to each other. `way` [m] is
-    /// the largest distance of any point of the particle, during `part` [s], from its centre at the start. If two
-    /// particles touch, their distance along y at the start was at most the sum of both ways. Their frames are then
-    /// displaced relative to each other by at most the shear rate times `part` times this sum.
+    /// the largest distance of any point of the particle, during `part` [s], from the initial position of its centre.
+    /// If two particles touch, their distance along y at the start was at most the sum of both ways. Their frames are
+    /// then displaced relative to each other by at most the shear rate times `part` times this sum.
     #[inline]
     pub fn strained(self, domain: &Domain, part: f64, way: f64) -> Self {
         match domain.shear {
@@ -79,7 +79,7 @@ pub struct FirstTouch {
     pub time: f64,
 }
 
-/// Touches that a search has found, and the number of checks.
+/// Touches that a search has found, and the number of pairs that the search has checked.
 pub struct SearchResult {
     /// Touches of pairs in the order of the cells of their first particles, then touches of walls.
     pub touches: Vec<FirstTouch>,
@@ -98,18 +98,18 @@ pub struct Search {
     /// Ball that contains the straight flight of each particle, by particle index.
     pub flights: Vec<BoundingSphere>,
     packed: PackedBalls,
-    /// Mark of each hot particle (member of an island), by particle index: its number among all members; `None` for
-    /// other particles. Between two searches no particle is marked.
+    /// Mark of each hot particle (member of an island), by particle index: the number of the particle among all
+    /// members. `None` for other particles, and for all particles while no islands are solved.
     pub label: Vec<Option<Label>>,
-    /// Structure for finding the walls near a point, made in the last search for touches.
+    /// Structure for finding the walls near a point, made when the flights were last computed.
     pub near_walls: NearWalls,
     /// Indices of the particles whose flights come near a wall, in one list for each chunk of consecutive particles.
-    /// All particles are listed if some wall is not flat.
+    /// If some wall is not flat, all particles are listed.
     beside_walls: Vec<Vec<u32>>,
 }
 
-/// Label of a hot particle (member of an island): its number among the members of all islands. An `Option` of it takes
-/// four bytes.
+/// Label of a hot particle (member of an island): its number among the members of all islands. An `Option<Label>`
+/// takes four bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Label(NonZeroU32);
 
@@ -199,7 +199,7 @@ impl Search {
         self.packed.fill(&self.levels.order(), |index| (flights[index].middle, flights[index].reach), &self.region);
     }
 
-    /// Calls `visit` with the indices of the particles whose straight flights come into a ball, periodic images
+    /// Calls `visit` with the index of every particle that comes into a ball on its straight flight, periodic images
     /// included.
     #[inline(always)]
     pub fn for_each_beside(&self, ball: &BoundingSphere, domain: &Domain, mut visit: impl FnMut(u32)) {
@@ -277,13 +277,13 @@ impl Search {
         found.touches.extend(parts.iter().flatten());
     }
 
-    /// Time [s] from the start of the interval `span` to the first touch of particle `i` with a wall on its straight
-    /// flight; `None` without a touch.
+    /// Time [s] from the start of the interval `span` to the first touch of particle `i` with a wall, if the particle
+    /// flies straight; `None` if it touches no wall.
     fn touch_of_wall(&self, particles: &Particles, scene: &Scene, span: &SearchInterval, i: usize) -> Option<f64> {
         let SearchInterval { elapsed, part, falls } = *span;
         let spot = &self.flights[i];
-        // walls require the middle of the flight without wrapping into the box; the middle is computed only on demand,
-        // because flat walls do not need it
+        // walls need the middle of the flight without wrapping into the box; it is computed only if it is needed,
+        // since flat walls do not need it
         let way = || particles.position[i] + particles.velocity[i] * (0.5 * part);
         let look = |(wall, shape): (usize, &Wall)| {
             // the frame moves along planes, so the ball of the flight has the right distance from planes. For other
@@ -325,8 +325,8 @@ pub struct SearchInterval {
     elapsed: f64,
     /// [s] length of the interval.
     part: f64,
-    /// Upper limit [m] of the sum of two distances in the interval: that by which gravity moves particles away from
-    /// their straight flights, and that by which walls move.
+    /// Upper limit [m] of the distance by which gravity moves particles away from their straight flights in the
+    /// interval, plus the distance by which walls move.
     falls: f64,
 }
 

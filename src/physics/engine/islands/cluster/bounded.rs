@@ -1,7 +1,7 @@
 //! Islands (groups of particles that may meet) that are found by upper limits on the flights of their members. Before
-//! islands are solved, the surroundings of each are searched. The search finds *bystanders* (cold particles that the
-//! island might hit), and other islands with which the island must unite. *Hot* particles touch something on their
-//! straight flight, *cold* ones do not. A part is a piece of a window, the time between two exchanges with the gas.
+//! an island is solved, its surroundings are searched. The search finds *bystanders* (cold particles that the island
+//! might hit), and other islands with which the island must unite. *Hot* particles touch something on their straight
+//! flight, *cold* ones do not. A part is a piece of a window, the time between two exchanges with the gas.
 
 use super::{Cluster, Clusters, Few, IslandFinder, IslandLimits, Member};
 use crate::engine::islands::batch::Retry;
@@ -12,9 +12,9 @@ use crate::neighbours::cells::CellGrid;
 use crate::work_sharing;
 use std::ops::{Deref, DerefMut};
 
-/// Number of contacts in progress above which all of them form one crowd (an island moved by uniform steps), in engines
-/// that take crowds. In a local step of another island a contact costs four times as much as in a uniform step. With so
-/// many contacts, some particles touch at any time, so an island of them would need steps all the time.
+/// Number of contacts in progress above which all of them form one crowd (an island moved by uniform steps), in
+/// engines that take crowds. A contact costs four times as much in the step of a separate island as in a uniform step.
+/// With so many contacts, some particles touch at any time, so an island of them would need steps all the time.
 const MANY_CONTACTS: usize = 16;
 
 /// Number of islands whose surroundings a thread searches in one piece of work.
@@ -82,8 +82,8 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
         self.expand_all((0..self.list.len()).collect())
     }
 
-    /// Appends the pairs of a member with those particles after it in its island whose balls overlap its ball. The ball
-    /// of a member contains its path after the first touch; that of a bystander contains its straight flight.
+    /// Appends the pairs of a member with later particles of its island, if the balls of both particles overlap. The
+    /// ball of a member contains its path after the first touch; that of a bystander contains its straight flight.
     fn list_pairs(&self, (a, member): (usize, &Member), (indices, hot): (&[u32], usize), pairs: &mut Vec<Pair>) {
         // the ball is enlarged to allow for rounding, so that a touch at the very beginning is not lost
         let here = BoundingSphere { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
@@ -181,8 +181,8 @@ impl BoundedIslands<'_> {
         true
     }
 
-    /// Computes the distances that members may reach, for those of the islands `islands` that have changed since the
-    /// last computation.
+    /// For those of the given islands that have changed since the last computation, computes the distances that their
+    /// members may reach.
     fn settle_changed(&mut self, islands: &[usize]) {
         for &which in islands {
             let cluster = &self.list[which];
@@ -192,8 +192,9 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Completes a crowd, an island moved by uniform steps. Particles next to it become members, islands that it may
-    /// meet are united with it, and the bystanders are found. Returns false if the crowd is too large.
+    /// Completes a crowd, an island moved by uniform steps: adds the particles next to it as members, unites islands
+    /// that it may meet with it, and finds its bystanders (particles that fly straight unless a member hits them).
+    /// Returns false if the crowd is too large.
     fn expand_crowd(&mut self, which: usize) -> bool {
         let mut which = which;
         while self.list[which].has_to_look() {
@@ -273,8 +274,8 @@ impl BoundedIslands<'_> {
     }
 
     /// Unites islands with those in which their bystanders have become members. A bystander is a particle that was
-    /// expected to fly straight. `known` is the number of members before the last changes. Returns a member of each
-    /// united island.
+    /// expected to fly straight. `known` is the number of members before the last changes. Returns the number of one
+    /// member of each united island.
     fn unite_with_bystanders(&mut self, known: usize) -> Vec<u32> {
         let mut changed = Vec::new();
         if self.members.len() == known {
@@ -310,8 +311,9 @@ impl BoundedIslands<'_> {
 }
 
 impl Cluster {
-    /// True if the island is a crowd (an island moved by uniform steps), or has more members than `most` and than twice
-    /// the number of its contacts in progress. A shorter interval of time would not reduce the number of contacts.
+    /// True if the island is a crowd (an island moved by uniform steps), or if it has more than `most` members, and
+    /// more than two for each of its contacts in progress. Islands with many contacts are allowed, because a shorter
+    /// interval of time would not reduce the number of contacts.
     fn is_too_large(&self, most: usize) -> bool {
         self.is_crowd() || self.hot.len() > most.max(2 * self.carried.len())
     }

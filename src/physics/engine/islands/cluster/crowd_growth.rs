@@ -9,14 +9,14 @@ use super::bounded::BoundedIslands;
 /// would be solved again for each particle that it pushes.
 const BESIDE: f64 = 0.05;
 
-/// Number of late members, in excess of an eighth of the members in cells, above which all members are sorted into
-/// cells again. Late members were added after the last sort, and every search must check all of them.
+/// All members are sorted into cells again if the number of late members exceeds this number plus an eighth of the
+/// members in cells. Late members were added after the last sort, and every search must check all of them.
 const MANY_LATE: usize = 64;
 
 impl BoundedIslands<'_> {
     /// Adds to the crowd `which` (an island moved by uniform steps) all particles next to its members, then those next
-    /// to the new members, and so on. A new member may raise the speed limits and so the distances that all members may
-    /// reach. The surroundings of members that may reach farther are then searched again, so that the result does not
+    /// to the new members, and so on. A new member may raise the speed limits, and with them the distances that all
+    /// members may reach. Then the surroundings of these members are searched again, so that the result does not
     /// depend on the order of the searches.
     pub(super) fn take_in_beside(&mut self, which: usize) {
         loop {
@@ -49,8 +49,8 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Indices of the particles that are next to a member of a crowd, within reach of this member, and in no island.
-    /// Empty if the surroundings of the member have already been searched with its present reach.
+    /// Indices of the particles that are in no island, next to a member of a crowd, and within reach of this member.
+    /// Empty if the surroundings of the member have already been searched with the reach that it has now.
     fn find_beside(&mut self, member: u32) -> Vec<u32> {
         let Member { index, ball, took_in, .. } = self.members[member as usize];
         let mut beside = Vec::new();

@@ -30,7 +30,7 @@ pub fn fill<'a, C>(
         return;
     }
     let Island { particles, indices, list, limits, hot, .. } = island;
-    // the walls come nearer by gravity and by their own motion
+    // a particle comes nearer to walls also by gravity and by the motion of the walls
     let falls = (scene.gravity.norm() * islands.part + fallen.norm() + scene.wall_speed()) * islands.part;
     for (a, member) in members().enumerate() {
         islands.list_pairs((a, member), (indices, *hot), &mut list.pairs);
@@ -44,7 +44,8 @@ pub fn fill<'a, C>(
             }
         });
         if !islands.search.near_walls.are_few() {
-            // walls are sorted in the order of the case, and each is listed once
+            // if there are many walls, the search may find one twice, in any order; they are sorted in the order of
+            // the case, and each is kept once
             list.walls[first..].sort_unstable_by_key(|near| (near.at.wall, near.at.which));
             list.walls.dedup();
         }

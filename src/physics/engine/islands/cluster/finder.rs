@@ -31,16 +31,16 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// the window are at most as long as the shortened one.
     const KEEPS_SHORTER: bool;
 
-    /// Makes a finder from the data `clusters` of a part (piece of the time between two exchanges with the gas), with
-    /// no islands.
+    /// Makes a finder without islands from the data `clusters` of a part, a piece of the time between two exchanges
+    /// with the gas.
     fn new(clusters: Clusters<'a>, limits: IslandLimits) -> Self;
 
     /// Ends the search for islands, and returns the islands that were found.
     fn into_clusters(self) -> Clusters<'a>;
 
     /// Makes islands of all particles that touch on straight flights or have a carried contact. `carried` contains the
-    /// two particles of each contact, or one and `None` (for instance at a wall), and `energy` [J] the energy that it
-    /// may give back. Returns false if an island is too large.
+    /// two particles of each contact (the second is `None`, for instance, at a wall). `energy` contains the energy [J]
+    /// that each contact may give back. Returns false if an island is too large.
     fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool;
 
     /// Appends to `pairs` the pairs of a member with the later particles of its island that it may touch. `member`
@@ -48,24 +48,24 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// the island, members first, and the number of members.
     fn list_pairs(&self, member: (usize, &Member), island: (&[u32], usize), pairs: &mut Vec<Pair>);
 
-    /// Makes an empty store for the trajectories of `members` particles, with the memory reserved; without memory if
-    /// trajectories are not used.
+    /// Makes an empty store for the trajectories of `members` particles. Its memory is reserved in advance, unless the
+    /// method uses no trajectories.
     fn trajectories(_members: usize) -> MemberTrajectories {
         MemberTrajectories::default()
     }
 
-    /// Moves the trajectories of a solved island to the end of `_trajectories`; does nothing if trajectories are not
-    /// used.
+    /// Moves the trajectories of a solved island to the end of `_trajectories`; does nothing if the method uses no
+    /// trajectories.
     fn trace<C>(&self, _island: &mut Island<C>, _trajectories: &mut MemberTrajectories) {}
 
-    /// Stores the trajectories of the members of the solved island `_which`, which are the range `_ways` of those in
-    /// `_trajectories`. Does nothing if trajectories are not used.
+    /// Stores the trajectories of the members of the solved island `_which`. They are at the places `_ways` in
+    /// `_trajectories`. Does nothing if the method uses no trajectories.
     fn follow(&mut self, _which: usize, _ways: Range<usize>, _trajectories: &MemberTrajectories) {}
 
     /// Changes the islands in `retries`, and unites islands that may meet; all these islands must be solved again.
     /// Returns the number of solved islands whose results became invalid because they met other islands or particles;
-    /// `None` if an island is too large. An island is counted only if `mine` returns true for the index of its leader,
-    /// the member with the smallest id.
+    /// `None` if an island is too large. `mine` returns true for the index of a particle that belongs to this process.
+    /// An island is counted only if its leader (the member with the smallest id) belongs to this process.
     fn next_round(&mut self, retries: Vec<(usize, Retry)>, mine: impl Fn(u32) -> bool) -> Option<u64>;
 
     /// Velocity changes of a member in this part (interval of time), in the order of time; `None` if its trajectory is
@@ -75,7 +75,7 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     }
 
     /// True if a member may touch a particle of another island. `_place` is the index of that particle in the store,
-    /// and `_turns` are its velocity changes (`None` if unknown). Without trajectories the result is always true.
+    /// and `_turns` are its velocity changes (`None` if unknown). A method without trajectories always returns true.
     fn may_meet(&self, _member: &Member, _place: u32, _turns: Option<&[VelocityChange]>) -> bool {
         true
     }

@@ -16,7 +16,7 @@ const MARGIN: f64 = 1.05;
 /// Largest distances [m] that particles may reach in a part, a piece of the time between two exchanges with the gas.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reach {
-    /// [m] largest distance from the middle of a straight flight to any point of the flying particle.
+    /// [m] largest distance of any point of a particle from the middle of the straight flight of this particle.
     pub flight: f64,
     /// [m] largest distance that a member of an island may reach from the middle of its straight flight.
     pub around: f64,
@@ -26,8 +26,8 @@ pub struct Reach {
 
 impl Reach {
     /// Distance [m] around an island within which a process must store all particles to solve the island. The process
-    /// then has all paths that may meet the island, and can find the particles that touch something on their straight
-    /// flight.
+    /// then knows all particles that may meet the island, and finds out which of them touch something on their
+    /// straight flights.
     pub fn search_radius(&self) -> f64 {
         self.around.max(self.flight) + 2.0 * self.flight
     }
@@ -84,8 +84,8 @@ impl Clusters<'_> {
         (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
     }
 
-    /// Computes, for all islands in parallel, the distances that their members may reach. They can be computed in
-    /// parallel, because the data of an island depend only on its members, and those of a member only on its island.
+    /// Computes, in parallel for all islands, the distances that their members may reach. The data of an island depend
+    /// only on its members, and then those of a member only on its island.
     pub(super) fn settle_all(&mut self) {
         let mut clusters = std::mem::take(&mut self.list);
         work_sharing::for_each(clusters.chunks_mut(BATCH), |some| {
@@ -157,9 +157,9 @@ impl Clusters<'_> {
         Reach { flight: self.search.levels.largest_reach(), around: self.widest, ball }
     }
 
-    /// Distance [m] from the places that members of an island may reach to the border of the region whose particles
-    /// this process stores. It is negative if they reach beyond this border, and infinite if the process stores all
-    /// particles.
+    /// Smallest distance [m] between a place that a member of the island may reach and the border of the region whose
+    /// particles this process stores. The distance is negative if a member may reach beyond this border, and infinite
+    /// if the process stores all particles.
     pub(super) fn room(&self, which: usize) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;
@@ -171,8 +171,9 @@ impl Clusters<'_> {
         members.map(room).fold(f64::INFINITY, f64::min)
     }
 
-    /// Smallest distance [m] from islands to the border of the region whose particles this process stores. Only islands
-    /// with a particle for which `chosen` is true, by its index, are considered. Infinite without such islands.
+    /// Smallest distance [m] between an island and the border of the region whose particles this process stores. Only
+    /// islands with a member for whose index `chosen` returns true are considered. Infinite if there are no such
+    /// islands.
     pub fn least_room(&self, chosen: impl Fn(u32) -> bool) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;

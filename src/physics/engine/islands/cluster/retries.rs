@@ -3,8 +3,8 @@
 use super::Clusters;
 use crate::engine::islands::batch::Retry;
 
-/// [-] ratio of the new lower bound of the speed limits to the speed that a particle has reached, after that particle
-/// has exceeded its limit. With this ratio few repetitions are needed.
+/// [-] the lower bound of the speed limits of an island is raised to this factor times the speed of a particle that
+/// exceeded its limit. With this factor, islands rarely have to be solved again.
 const RAISE: f64 = 1.5;
 
 impl Clusters<'_> {

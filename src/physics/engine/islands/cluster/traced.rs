@@ -25,7 +25,8 @@ use std::ops::{Deref, DerefMut, Range};
 /// [-] allowance for rounding: a gap below this fraction of the summed lengths of both paths counts as a touch.
 const NEARLY: f64 = 1e-9;
 
-/// Balls sorted into cells. A ball contains the path of a member of an island after the member's first velocity change.
+/// Balls sorted into cells. Each ball contains the path of one member of an island, from the member's first velocity
+/// change on.
 #[derive(Default)]
 pub struct DeflectedFlights {
     /// For each ball, the number of its particle among the members of all islands.
@@ -57,8 +58,8 @@ impl DeflectedFlights {
     }
 }
 
-/// Islands that are found by solving them first: the trajectories of solved islands show which islands meet. Islands
-/// that meet are united and solved again.
+/// Method that solves islands first: the trajectories of solved islands show which islands meet. Islands that meet are
+/// united and solved again.
 pub struct TracedIslands<'a> {
     clusters: Clusters<'a>,
     /// Velocity changes of the members of all solved islands. Those of one member follow one another in the order of
@@ -193,8 +194,8 @@ impl TracedIslands<'_> {
 
     /// Unites solved islands with the islands and single particles that their trajectories meet; the united islands
     /// must be solved again. Returns the number of results that became invalid; `None` if an island is too large or
-    /// reaches too far. An island is counted only if `mine` returns true for the index of its leader, the member with
-    /// the smallest id.
+    /// reaches too far. `mine` returns true for the index of a particle that belongs to this process. An island is
+    /// counted only if its leader (the member with the smallest id) belongs to this process.
     fn unite_meeting(&mut self, mine: impl Fn(u32) -> bool) -> Option<u64> {
         let is_new = |which: &usize| {
             let cluster = &self.list[*which];
@@ -231,8 +232,8 @@ impl TracedIslands<'_> {
     }
 
     /// Sorts into cells the balls that contain paths after a velocity change. After all islands have been solved for
-    /// the first time, these are the balls of all members. Whenever islands are solved again, the balls of the islands
-    /// in `new` are added to a second list of balls.
+    /// the first time, these are the balls of all members. Later, when islands have been solved again, the balls of
+    /// the islands in `new` are added to a second list of balls.
     fn lay_out(&mut self, new: &[usize]) {
         let Clusters { search, members: known, list, widest, .. } = &mut self.clusters;
         let region = &search.region;
@@ -249,8 +250,8 @@ impl TracedIslands<'_> {
         anew.sort(members, known, region);
     }
 
-    /// Calls `visit` with the members whose deflected path lies in a ball that overlaps `ball`. A member may be visited
-    /// twice, and some members whose balls only nearly overlap `ball` are visited too.
+    /// Calls `visit` with the members whose path after the first velocity change lies in a ball that overlaps `ball`.
+    /// A member may be visited twice. Some members whose balls only nearly overlap `ball` are visited too.
     fn for_each_deflected_beside(&self, ball: &BoundingSphere, mut visit: impl FnMut(&Member)) {
         for turned in &self.deflected {
             let space = (self.domain, &self.search.region);
@@ -258,13 +259,13 @@ impl TracedIslands<'_> {
         }
     }
 
-    /// Indices (in the particle store) of particles outside the island `which` whose trajectories may meet that of one
-    /// of its members. An index may occur several times. `None` if a member could meet an image of a particle other
-    /// than the nearest periodic image.
+    /// Indices (in the particle store) of the particles outside the island `which` that members of the island may meet
+    /// on their trajectories. An index may occur several times. `None` if a member could meet a periodic image of a
+    /// particle other than the nearest image.
     fn met_by(&self, which: usize) -> Option<Vec<u32>> {
         let mut met = Vec::new();
-        // in the first round the surroundings of every island are searched: a search around a deflected flight finds
-        // the straight flights that it meets, so the opposite search is not needed
+        // in the first round the surroundings of every island are searched. A search around a path after a velocity
+        // change finds the straight flights that meet this path, so no search around straight flights is needed.
         let all_look = self.search.region.is_all() && self.deflected[1].members.is_empty();
         for &member in &self.list[which].hot {
             let member = &self.members[member as usize];
