@@ -3,9 +3,9 @@
 //! particles of other processes that may interact with its own. *Carried* contacts continue from one part to the next.
 //! The lead process is process 0.
 //!
-//! A process treats its own and the borrowed particles as if there were no others. It solves all islands (groups of
-//! particles that may meet) whose surroundings it stores completely. These include islands of other processes, so no
-//! results need to be sent back. Each process sends checksums of its results to the processes that borrowed its
+//! A process computes with its own and the borrowed particles as if no others existed. It solves all islands (groups
+//! of particles that may meet) whose surroundings it stores completely. These include islands of other processes, so
+//! no results need to be sent back. Each process sends checksums of its results to the processes that borrowed its
 //! particles. If two processes obtain different members of an island, or an island reaches too far, all processes
 //! borrow from farther away and repeat the part.
 
@@ -27,14 +27,14 @@ use serde::de::DeserializeOwned;
 use std::sync::Arc;
 
 /// [-] smallest width of the zone around the block of a process (its region of the box) from which it borrows (copies)
-/// particles of other processes. The unit is the largest distance that a flying particle reaches from the middle of its
-/// flight.
+/// particles of other processes. The width is given in units of the largest distance of any point of a particle from
+/// the middle of its straight flight.
 const SEEN: f64 = 4.0;
 
-/// [-] width of the zone from which a process borrows (copies) particles of other processes in the first part (piece of
-/// a window) of a run. The unit is that of [`SEEN`]. In this first part the width that islands need is not yet known. A
-/// gas of 10⁶ particles in a channel (case D of docs/paper.md) needs the width 8. With too small a width the part is
-/// repeated, which costs as much as a whole window.
+/// [-] width of the zone from which a process borrows (copies) particles of other processes in the first part (piece
+/// of a window) of a run. It is given in the same unit as [`SEEN`]. The value is large, because in this first part the
+/// width that islands need is not yet known. A gas of 10⁶ particles in a channel (case D of docs/paper.md) needs the
+/// width 8. With too small a width the part is repeated, which costs as much as a whole window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
 /// Number of particles per process below which processes do not share uniform steps, because most stored particles
@@ -55,8 +55,8 @@ pub struct Domains<C> {
     pub is_cut: bool,
     /// Contacts in progress between a particle of this process and one of another process.
     pub abroad: Vec<CrossRankContact<C>>,
-    /// Own data of the lead process, set aside while copies of the particles of all processes replace them. `None` at
-    /// other times, and in other processes.
+    /// Own data of the lead process, kept here while copies of particles of all processes replace these data in the
+    /// store. `None` at other times, and in other processes.
     pub(super) gathered: Option<GatheredPart<C>>,
     /// Summary of the sizes of all particles of the run.
     pub population: Arc<PopulationSummary>,
@@ -108,7 +108,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 
     /// Replaces each sum by its total over all processes, if each process stores only its own particles. If the lead
-    /// process stores all particles, the sums stay as they are.
+    /// process stores all particles, the sums do not change.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         if self.is_cut {
             self.communicator.total(sums);
@@ -120,8 +120,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.communicator.sum(counts);
     }
 
-    /// Replaces each value by the largest value of all processes, if each process stores only its own particles. If the
-    /// lead process stores all particles, the values stay as they are.
+    /// Replaces each value by the largest value of all processes, if each process stores only its own particles. If
+    /// the lead process stores all particles, the values do not change.
     pub fn largest(&self, values: &mut [f64]) {
         if self.is_cut {
             self.communicator.largest(values);
@@ -129,18 +129,20 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 
     /// Sends particles that have left the block (region of the box) to the processes that now own them. Copies from
-    /// other processes those particles whose flights have their middle within the distance `self.width` of the block.
-    /// Flights last `part` [s], in a frame with the velocity `frame` [m/s]. `flight` [m] is the largest distance of a
-    /// flying particle from the middle of its flight. First of all, the function raises `self.width` if it is too small
-    /// for `flight`. Returns the description of the particles now in the store.
+    /// other processes all particles for which the middle of the flight is within the distance `self.width` of the
+    /// block.
+    ///
+    /// A flight is the straight motion during `part` [s], in a frame with the velocity `frame` [m/s]. `flight` [m] is
+    /// the largest distance of any point of a particle from the middle of its flight. If `self.width` is too small for
+    /// `flight`, the function first raises `self.width`. Returns the description of the particles now in the store.
     pub fn trade<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,
         (frame, part): (Vector3<f64>, f64),
         flight: f64,
     ) -> LocalParticles<C> {
-        // partners of own particles, and partners of these partners, must be stored; islands may need an even larger
-        // distance, which is known only after the first part
+        // partners of own particles, and partners of these partners, must be stored. Islands may need an even larger
+        // distance, which is known only after the first part.
         let least = if self.width > 0.0 { SEEN } else { SEEN_AT_FIRST };
         self.width = self.width.max(least * flight);
         let (mut mine, indices) = self.sort_out(work, (frame, part), flight);
@@ -164,7 +166,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
             agrees &= S::indices(&carried).iter().flatten().all(|id| index(*id).is_some());
             work.lasting.push(S::moved(&carried, &|id| index(id).unwrap_or(own)));
         }
-        // carried state that involves a particle of this process is stored already
+        // a contact that involves a particle of this process is stored here already
         for carried in lasting {
             if S::indices(&carried).iter().flatten().all(|id| strangers.contains_key(id)) {
                 work.lasting.push(S::moved(&carried, &|id| strangers.get(&id).copied().unwrap_or(id)));
@@ -176,15 +178,16 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         LocalParticles { mine, count, lasting: before, strangers, complete: agrees, region }
     }
 
-    /// Decides where the particles of this process belong; the arguments are those of [`trade`](Self::trade). The first
-    /// result is, for each particle, true if this process owns it. The second result is, for each process, the indices
-    /// of the particles to be sent there: those that it now owns, and those of which it needs copies.
+    /// Decides to which processes the particles of this process are sent; the arguments are those of
+    /// [`trade`](Self::trade). The first result is, for each particle, true if this process owns it. The second result
+    /// is, for each process, the indices of the particles to be sent there: those that it now owns, and those of which
+    /// it needs copies.
     fn sort_out(&self, work: &Work<C>, (frame, part): (Vector3<f64>, f64), flight: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let domain = &work.scene.domain;
         let block = self.block(domain);
         let mut indices: Vec<Vec<u32>> = vec![Vec::new(); self.communicator.size()];
         let mut mine = Vec::with_capacity(work.particles.len());
-        // a particle this deep inside the block stays in it, and no other process borrows it
+        // a particle at least this far inside the block stays in the block, and no other process borrows it
         let deep = (self.width + flight) * (1.0 + 1e-9);
         for index in 0..work.particles.len() {
             if self.blocks.is_deep(&work.particles.position[index], &block, deep) {
@@ -223,7 +226,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     /// Sends particles that have left the block (region of the box) to the processes that now own them, and copies all
     /// particles of other processes within `width` [m] of the block. The first result is, for each particle, true if
     /// this process owns it. The second result is, for each process, the indices of the own particles of which that
-    /// process now has copies; it may have had these copies before.
+    /// process now has copies. The process may have had copies of some of them before.
     pub fn borrow<S: Solve<Carried = C>>(&mut self, work: &mut Work<C>, width: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
         let before = std::mem::replace(&mut self.width, width);
         let LocalParticles { mine, .. } = self.trade::<S>(work, (Vector3::zeros(), 0.0), 0.0);
@@ -263,8 +266,8 @@ impl<C> Domains<C> {
         self.blocks.corners(self.communicator.rank(), domain)
     }
 
-    /// Distance [m] from the block (region of the box) of another process within which own particles are copied to that
-    /// process. It exceeds `width` by a billionth, to allow for rounding.
+    /// Distance [m] from the block (region of the box) of another process. Own particles within this distance are
+    /// copied to that process. The distance exceeds `width` by a billionth, to allow for rounding.
     pub(super) fn lent(&self) -> f64 {
         self.width * (1.0 + 1e-9)
     }

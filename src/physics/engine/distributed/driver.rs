@@ -1,6 +1,6 @@
-//! Sharing of a run among processes, for all engines that consist of a solver and the common driver. The lead process
-//! is process 0. An island is a group of particles that may meet within a window, the time between two exchanges with
-//! the gas.
+//! Sharing of a run among processes, for all engines that consist of a solver and the common `Driver`. The lead
+//! process is process 0. An island is a group of particles that may meet within a window, the time between two
+//! exchanges with the gas.
 
 use super::packing::packed_part;
 use super::{Distributed, DistributedSolver};
@@ -16,9 +16,9 @@ use std::sync::Arc;
 
 impl<S: DistributedSolver> Driver<S> {
     /// Returns, in all processes, two values of the lead process: the cost [ns/s] of the classical algorithm (all
-    /// particles at once, per particle and simulated time), and the summary of the speeds of the particles. The cost is
-    /// `None` if islands are not to be tried. The arguments are the values of this process. The solver also adopts the
-    /// lead process's limit of the cost of an island, if it has such a limit.
+    /// particles at once, per particle and simulated time), and the summary of the speeds of the particles. The cost
+    /// is `None` if islands are not to be tried. The arguments are the values of this process. If the solver limits
+    /// the cost of an island, it also adopts the limit of the lead process.
     pub(in crate::engine) fn of_lead(
         &mut self,
         fallback_cost: Option<f64>,
@@ -53,8 +53,8 @@ impl<S: DistributedSolver> Driver<S> {
         self.solver.advance_all(work, window)
     }
 
-    /// Calls `change` with this engine and its data in the form used during a window. Impacts and energies that
-    /// `change` records are discarded.
+    /// Calls `change` with this engine and its data, in the form in which the data are used during a window (time
+    /// between two exchanges with the gas). Impacts and energies that `change` records are discarded.
     fn between_windows(
         &mut self,
         (particles, scene): (&mut Particles, &Scene),

@@ -14,16 +14,17 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// [-] ratio of the largest number of particles of a process to the mean number, above which the borders of the blocks
-/// (regions of the box) are moved. The other processes must wait for the process with most particles.
+/// (regions of the box) are moved. This is done because all processes must wait for the process with most particles.
 const FULLEST: f64 = 1.1;
 
 /// Approximate number of particles whose positions determine new borders of the blocks (regions of the box).
 const ASKED: usize = 1 << 16;
 
-/// Number of particles that a process sends at a time, which limits the memory of messages for any number of particles.
+/// Largest number of particles that a process sends in one message. The limit keeps the memory of messages small for
+/// any number of particles.
 const SLICE: usize = 1 << 17;
 
-/// Own data of the lead process, set aside while copies of the particles of all processes replace them.
+/// Own data of the lead process, kept here while copies of particles of all processes replace these data in the store.
 pub struct GatheredPart<C> {
     /// Own particles of the lead process.
     pub particles: Particles,
@@ -71,9 +72,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.abroad = add_received_contacts::<S>(lasting, work);
     }
 
-    /// Moves all particles and contacts to the lead process, so that the other processes have none. `members` lists the
-    /// particles that were in islands (groups of particles that may meet) when islands were last solved; their indices
-    /// are adapted.
+    /// Moves all particles and contacts to the lead process, so that the other processes have none. `members` lists
+    /// the particles that were in islands (groups of particles that may meet) when islands were last solved; the
+    /// function adapts their indices.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         drop(self.gather_sample(solver, work, members, 1));
         if !self.is_lead() {
@@ -99,8 +100,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 
     /// Restores the own particles of the lead process, their contacts in progress and the list `members` of members of
-    /// islands, after [`gather`](Self::gather) has replaced them by copies. Returns false, and changes nothing, if they
-    /// were not replaced.
+    /// islands, after [`gather`](Self::gather) has replaced them by copies. Returns false, and changes nothing, if
+    /// `gather` was not called before.
     pub fn scatter(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
         let Some(part) = self.gathered.take() else { return false };
         (*particles, *lasting, self.abroad, *members) = (part.particles, part.lasting, part.abroad, part.members);
@@ -114,8 +115,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.is_cut = true;
     }
 
-    /// Moves the borders of the blocks (regions of the box) if one process has many more particles than the mean.
-    /// Particles whose block changes in this way are sent to their new process later, when the processes next exchange
+    /// Moves the borders of the blocks (regions of the box) if one process has many more particles than the mean. The
+    /// particles that are then in the block of another process are sent to it later, when the processes next exchange
     /// particles.
     pub fn balance(&mut self, particles: &Particles, domain: &Domain) {
         let (mut most, count) = ([particles.len() as f64], self.population.count);
@@ -139,9 +140,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 
     /// Fills the store of the lead process with copies of particles of all processes: those with an id divisible by
-    /// `every`, and those in contact with them. Returns, in the lead process, its own data that were in the store; in
-    /// other processes, `None`. In the lead process, `members` then lists the copies of particles that were in islands
-    /// (groups of particles that may meet).
+    /// `every`, and those in contact with them. The lead process returns its own data that were in the store before;
+    /// the other processes return `None`. In the lead process, `members` then lists the copies of particles that were
+    /// in islands (groups of particles that may meet).
     fn gather_sample<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -196,8 +197,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
 }
 
 /// Indices, in ascending order, of the particles whose id is divisible by `every`, and of those in contact with them.
-/// Also returns the contacts of the particles with such an id, with ids in place of indices. `abroad` contains the
-/// contacts with particles of other processes.
+/// Also returns the contacts of the particles with such an id; these contacts name particles by id instead of index.
+/// `abroad` contains the contacts with particles of other processes.
 fn chosen<S: Solve>(
     work: &Work<S::Carried>,
     abroad: &[CrossRankContact<S::Carried>],

@@ -25,15 +25,15 @@ pub trait GhostExchange {
         result
     }
 
-    /// Makes the failure at `time` [s] that names a particle whose velocity is not a finite number, in whichever
-    /// process the particle is.
+    /// Makes the failure at `time` [s] that names a particle whose velocity is not a finite number. The particle may
+    /// be in any process.
     fn not_a_number(&self, _solver: &SoftSolver, particles: &Particles, time: f64) -> Failure {
         not_a_number(particles, time)
     }
 
     /// Builds the neighbour list again, for uses that are `times[0]` [s] apart. Several processes also exchange the
-    /// particles that have left their blocks (regions of the box). Before that they change the velocities by the forces
-    /// that are computed but not yet applied, for the remaining time `times[1]` [s].
+    /// particles that have left their blocks (regions of the box). Before this exchange, forces that are computed but
+    /// not yet applied change the velocities, for the remaining time `times[1]` [s].
     fn rebuild(&mut self, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene, times: [f64; 2]) {
         solver.rebuild(particles, scene, times[0]);
     }
@@ -42,11 +42,11 @@ pub trait GhostExchange {
     /// process fails.
     fn before_kick(&mut self, _particles: &Particles) {}
 
-    /// Completes a kick (change of velocities by forces): sends the new velocities to the processes that have copies of
-    /// these particles. If any process failed to compute its `forces`, the kick is undone.
+    /// Completes a kick (change of velocities by forces): sends the new velocities to the processes that have copies
+    /// of these particles. If any process failed to compute its `forces`, the kick is undone.
     ///
     /// # Errors
-    /// The first failure of any process.
+    /// A process failed to compute its forces. All processes return the same failure, even if several have failed.
     fn after_kick(
         &mut self,
         _solver: &mut SoftSolver,

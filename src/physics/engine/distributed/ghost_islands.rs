@@ -1,5 +1,5 @@
 //! Messages by which processes compare their results for islands near the border of a block. An island is a group of
-//! particles that may meet, and a block is the part of the box that a process owns.
+//! particles that may meet, and a block is the region of the box whose particles a process owns.
 
 use crate::engine::islands::{BoundingSphere, Clusters, IslandFinder, Member, VelocityChange};
 use nalgebra::Vector3;
@@ -7,12 +7,13 @@ use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 use std::hash::Hasher;
 
-/// Result of one process for one member of an island, sent to other processes for comparison.
+/// Summary of the result of one process for one member of an island (group of particles that may meet). The process
+/// sends it to other processes for comparison.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct HotParticleDigest {
     /// Id of the hot particle (member of an island).
     pub id: u32,
-    /// Checksum of the members of the particle's island and of the bounds on their motion.
+    /// Checksum of the ids of the members of the particle's island, and of the bounds on their motion.
     mark: u64,
     /// Ball that contains the particle after the first touch in its island, until the end of the part (piece of the
     /// time between two exchanges with the gas).
@@ -22,8 +23,9 @@ pub struct HotParticleDigest {
     turns: Option<Vec<VelocityChange>>,
 }
 
-/// Calls `tell` with the result for members of islands, and with the middle [m] of their flights. A member is included
-/// if `chosen` is true for its index in the store, and `near` for the middle of its flight.
+/// Calls `tell` with the result for each chosen member of an island, and with the middle [m] of the member's flight. A
+/// member is chosen if `chosen` returns true for its index in the store, and `near` returns true for the middle of its
+/// flight.
 pub fn tell<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,
@@ -42,9 +44,10 @@ pub fn tell<'a>(
     }
 }
 
-/// True if other processes have the same results for the islands of this process. These are the islands with a particle
-/// for whose index `chosen` is true. Their checksums must be equal, and no further particle in the messages may meet
-/// them. `told` contains the messages, each with the index of its particle in this process.
+/// True if other processes have the same results for the islands of this process. These are the islands with a
+/// particle for whose index `chosen` returns true. The checksums of these islands must be equal, and no other particle
+/// in the messages may meet one of them. `told` contains the messages, each with the index of its particle in this
+/// process.
 pub fn agree_with<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,
@@ -79,9 +82,10 @@ pub fn agree_with<'a>(
     alike && told.iter().all(|(index, told)| is_known(*index) || !meets(*index, told))
 }
 
-/// Members of own islands that are not in the cells of the search and may meet a particle in the messages `told`. `own`
-/// is true for each island that has a particle of this process. Members too deep inside the region to meet such a
-/// particle are left out. No member, and no ball in the messages, reaches farther than `widest` [m] from its middle.
+/// Members that may meet a particle in the messages `told`, but are not in the cells of the search, because they were
+/// added later. Only islands with a particle of this process are searched, for which `own` is true. Members too deep
+/// inside the region to meet such a particle are left out. No member, and no ball in the messages, reaches farther
+/// than `widest` [m] from its middle.
 fn late_near<'i, 'a: 'i>(
     islands: &'i impl IslandFinder<'a>,
     own: &[bool],

@@ -15,7 +15,8 @@ use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 
-/// Solver of islands of soft spheres; its functions return the particles of a contact, and change their indices.
+/// Solver of islands of soft spheres; this module uses its functions that read and change the indices of the particles
+/// of a contact.
 type Solving = SoftIslands;
 
 /// Own particles of a process and its ghosts (copies of particles of other processes), while processes share uniform
@@ -32,13 +33,14 @@ pub struct Halo {
     pub borrowed: Vec<Vec<u32>>,
     /// [m] positions of the particles at the time when the neighbour list was built.
     pub built_at: Vec<Vector3<f64>>,
-    /// Own particles and copies at the end of the last window, the time between two exchanges with the gas.
+    /// Own particles and copies of particles of other processes, at the end of the last window (time between two
+    /// exchanges with the gas).
     pub seen: Particles,
     /// Scratch memory: for each particle, true if a force acted on it. Between uses all entries are false.
     pushed: Vec<bool>,
 }
 
-/// Ids of the particles of which processes have exchanged copies. They replace indices while the order of the particles
+/// Ids of the particles of which processes have exchanged copies. Ids replace indices while the order of the particles
 /// changes.
 pub struct Names {
     lent: Vec<Vec<u32>>,
@@ -47,7 +49,8 @@ pub struct Names {
     id: Vec<u32>,
 }
 
-/// Share of one process in the neighbour list and in the forces not yet applied, sent to the lead process.
+/// Data that a process sends to the lead process, for a neighbour list of all particles and a list of all forces that
+/// are not yet applied.
 #[derive(Serialize, Deserialize)]
 struct ListSummary {
     id: Vec<u32>,
@@ -65,8 +68,8 @@ impl Halo {
 
     /// Sends particles that have left the block (region of the box) to the processes that own their new blocks, and
     /// copies all particles of other processes within `width` [m] of the block. Afterwards the store contains own
-    /// particles and copies, and `work.lasting` the contacts of own particles. The lists `own`, `lent` and `borrowed`
-    /// are filled later, by `follow`.
+    /// particles and copies, and `work.lasting` the contacts of own particles. The function `follow` fills the lists
+    /// `own`, `lent` and `borrowed` later.
     pub fn borrow(domains: &mut Domains<Contact>, work: &mut Work<Contact>, width: f64) -> (Self, Names) {
         let (mine, indices) = domains.borrow::<SoftIslands>(work, width);
         let id = &work.particles.id;
@@ -102,7 +105,7 @@ impl Halo {
     }
 
     /// Adopts the order of particles in a new neighbour list: the particle that was at index `p` is now at
-    /// `index_of[p]`. Fills the lists of indices by the ids in `names`.
+    /// `index_of[p]`. Fills the lists of indices with the new indices of the particles whose ids are in `names`.
     pub fn follow(&mut self, index_of: &[u32], names: Names) {
         let mut mine = vec![false; index_of.len()];
         self.mine.iter().zip(index_of).for_each(|(is_mine, &index)| mine[index as usize] = *is_mine);
@@ -134,9 +137,9 @@ impl Halo {
         }
     }
 
-    /// Packs into bytes the velocities of the particles that another process has copied from this one, if forces acted
-    /// on them. `lent` contains the indices of these particles. Each velocity follows the number of its particle in
-    /// `lent`.
+    /// Packs new velocities into bytes for another process, which has copies of the particles of this process with the
+    /// indices `lent`. Only particles on which forces acted are included. Each velocity is preceded by the place of
+    /// its particle in `lent`.
     pub fn pack(&self, lent: &[u32], particles: &Particles) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (k, &index) in (0u32..).zip(lent) {
@@ -156,8 +159,8 @@ impl Halo {
         for (k, &index) in self.own.iter().enumerate() {
             seen.set_motion(index as usize, &own.motion(k));
         }
-        // kicks by drag also change the gas fluctuations (`eddies`) at the particles; those of borrowed particles are
-        // not used
+        // kicks by drag also change the gas fluctuations (`eddies`) at the particles; the fluctuations at borrowed
+        // particles are not used
         if let (Some(eddies), Some(of_own)) = (&mut seen.eddies, &own.eddies) {
             self.own.iter().zip(of_own).for_each(|(&index, own)| eddies[index as usize] = *own);
         }
@@ -179,7 +182,7 @@ impl Halo {
     }
 
     /// Writes the own particles and the contacts among them into `work` at the end of a window. `seen` contains own
-    /// particles and copies. Returns the contacts between an own particle and one of another process.
+    /// particles and copies. Returns the contacts between an own particle and a particle of another process.
     pub fn leave(
         &self,
         seen: &Particles,

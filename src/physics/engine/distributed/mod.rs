@@ -1,10 +1,10 @@
 //! Several processes that share one run. Each process moves the particles in its domain, a block of the box. The lead
 //! process is process 0. A window is the time between two exchanges with the gas.
 //!
-//! Engines, islands (groups of particles that may meet) and uniform steps (all particles move by one Δt) are written as
-//! for a single process. Where processes must decide together or exchange particles, the code of this module is called:
-//! `Processes` for islands, `GhostExchange` for uniform steps. For a single process these calls do nothing. A process
-//! *owns* the particles in its block. It *borrows* copies of particles of other processes (ghosts).
+//! Engines, islands (groups of particles that may meet) and uniform steps (all particles move by one Δt) are written
+//! as for a single process. If processes must decide together or exchange particles, they call the code of this
+//! module: `Processes` for islands, `GhostExchange` for uniform steps. For a single process these calls do nothing. A
+//! process *owns* the particles in its block. It *borrows* copies of particles of other processes (ghosts).
 
 mod agreement;
 mod domains;
@@ -32,19 +32,21 @@ use crate::scene::Scene;
 use std::sync::Arc;
 
 /// An engine whose run several processes can share. If sharing pays, the run is *cut*: each process owns the particles
-/// of its domain. Otherwise the lead process stores all particles.
+/// in its block of the box. Otherwise the lead process (process 0) stores all particles.
 ///
-/// While the run is cut, [`Engine::elastic_energy`] returns the energy of all processes, which must all call it.
+/// While the run is cut, [`Engine::elastic_energy`] returns the energy of all processes; all processes must call this
+/// function.
 pub trait Distributed: Engine {
     /// Shares the run with other processes, which must call the engine in the same way.
     ///
-    /// If `sample` is divided among the processes, each process must store the particles of its block, among [blocks of
-    /// one size](crate::domain::blocks::Blocks::of_one_size). Otherwise the lead process stores all particles.
-    /// Particles in the stores of other processes are then ignored until the run is first cut. From then on each
+    /// If `sample` is divided among the processes, each process must store the particles of its block, among [blocks
+    /// of one size](crate::domain::blocks::Blocks::of_one_size). Otherwise the lead process stores all particles.
+    /// Particles in the stores of other processes are then ignored until the run is first cut. After that, each
     /// process stores only its own particles.
     fn share(&mut self, communicator: Arc<dyn Communicator>, sample: &Sample, scene: &Scene);
 
-    /// True if each process stores only the particles of its domain; false if the lead process stores all particles.
+    /// True if each process stores only the particles in its block of the box; false if the lead process stores all
+    /// particles.
     fn is_cut(&self) -> bool;
 
     /// Moves the borders of the domains if one process owns many more particles than others. All processes must call
@@ -52,25 +54,26 @@ pub trait Distributed: Engine {
     fn balance(&mut self, particles: &Particles, scene: &Scene);
 
     /// Replaces the particles of the lead process by copies of particles of all processes: those with an id divisible
-    /// by `every` (1: all), and those in contact with them. [`scatter`](Self::scatter) undoes this. All processes must
-    /// call this function, between two windows.
+    /// by `every` (with 1, all particles), and those in contact with them. [`scatter`](Self::scatter) undoes this. All
+    /// processes must call this function, between two windows.
     fn gather(&mut self, particles: &mut Particles, scene: &Scene, every: u32);
 
     /// Restores the own particles of the lead process, which [`gather`](Self::gather) has replaced by copies. Does
-    /// nothing if they have not been replaced.
+    /// nothing if `gather` was not called before.
     fn scatter(&mut self, particles: &mut Particles);
 
-    /// True if each process can store its own share of the state of the run by [`packed`](Self::packed). Otherwise all
+    /// True if each process can store its own share of the state of the run by [`packed`](Self::packed). If false, all
     /// particles must first be copied to the lead process, which then stores the state.
     fn gives_parts(&self) -> bool;
 
-    /// Packs the particles of this process and their contacts in progress into bytes, which
-    /// [`take_parts`](Self::take_parts) reads. Used while each process stores only its own particles.
+    /// Packs the particles of this process and their contacts in progress into bytes, for storing.
+    /// [`take_parts`](Self::take_parts) reads these bytes. The function is used while each process stores only its own
+    /// particles.
     fn packed(&self, particles: &Particles) -> Vec<u8>;
 
     /// Replaces all particles and contacts in progress by those of a stored run, which consists of `count` parts
-    /// (shares of its particles), packed by [`packed`](Self::packed). In the lead process, or the only one, `next`
-    /// returns the part with a given number. All processes must call this function.
+    /// (shares of its particles), packed by [`packed`](Self::packed). In the lead process, and in a run with a single
+    /// process, `next` returns the part with a given number. All processes must call this function.
     fn take_parts(
         &mut self,
         particles: &mut Particles,
@@ -80,7 +83,7 @@ pub trait Distributed: Engine {
     );
 
     /// Contacts in progress between a particle of this process and one of another process, each with the index of the
-    /// own particle. Both processes return the contact.
+    /// particle of this process. Both processes return the contact.
     fn touching_abroad(&self) -> Vec<(u32, Overlap)>;
 }
 
@@ -89,8 +92,8 @@ pub trait Distributed: Engine {
 /// event queue).
 pub trait DistributedSolver: Solver {
     /// Limit of the cost (computing time per simulated time) [ns/s] of a single island (group of particles that may
-    /// meet), if the solver adapts it from window to window; otherwise `None`. All processes adopt the value of the
-    /// lead process.
+    /// meet). `None` if the solver does not adapt this limit after each window, the time between two exchanges with
+    /// the gas. All processes adopt the value of the lead process.
     fn allowance(&mut self) -> Option<&mut f64> {
         None
     }
@@ -104,7 +107,7 @@ pub trait DistributedSolver: Solver {
     /// algorithm. All processes of the run share the work.
     ///
     /// # Errors
-    /// Errors of the classical algorithm, the same in all processes.
+    /// The classical algorithm fails. All processes return the same error.
     fn everyone_together(
         &mut self,
         work: &mut Work<Lasting<Self>>,
@@ -114,13 +117,14 @@ pub trait DistributedSolver: Solver {
         self.advance_all(work, window)
     }
 
-    /// True if the processes shared the last uniform time steps and still have the data with which they can continue.
+    /// True if the processes shared the last uniform time steps and still have the data with which they can continue
+    /// these steps.
     fn has_uniform_steps(&self) -> bool {
         false
     }
 
-    /// Stores in the lead process, which has copies of all particles, the joint neighbour list and forces of all
-    /// processes. They become part of a stored run.
+    /// Stores in the lead process the joint neighbour list and the joint forces of all processes. They become part of
+    /// a stored run. Before the call, copies of all particles must be in the lead process.
     fn gather(&mut self, _work: &mut Work<Lasting<Self>>, _domains: &Domains<Lasting<Self>>) {}
 
     /// Removes the joint data that [`gather`](Self::gather) has stored in the lead process.
@@ -134,7 +138,7 @@ pub struct CrossRankContact<C> {
     pub carried: C,
     /// Index, in the store of this process, of the particle that this process owns.
     pub own: u32,
-    /// Overlap of the two bodies at the end of the last interval of motion; it is negative if they are apart. `None` if
-    /// another process has sent the contact since and the overlap is not yet computed.
+    /// Overlap of the two bodies at the end of the last interval of motion; the overlap is negative if the bodies are
+    /// apart. `None` if another process has sent the contact since then, so that the overlap is not yet known.
     pub overlap: Option<Overlap>,
 }

@@ -14,9 +14,9 @@ use serde::de::DeserializeOwned;
 /// [bytes] size of the number that tells how many bytes of particle data follow.
 const LENGTH: usize = 8;
 
-/// Packs all particles of this process and their carried items (contacts in progress, or recent collisions) into bytes.
-/// `home` are the items among these particles, `abroad` those with particles of other processes. In the bytes, ids of
-/// particles replace indices.
+/// Packs all particles of this process and their carried items (contacts in progress, or recent collisions) into
+/// bytes. `home` contains the items of own particles only, `abroad` those that also involve a particle of another
+/// process. In the bytes, ids of particles replace indices.
 pub fn packed_part<S: Solve>(
     particles: &Particles,
     home: &[S::Carried],
@@ -39,7 +39,8 @@ pub fn add_received_contacts<S: Solve>(
     for carried in lasting {
         let here: Vec<Option<u32>> = S::indices(&carried).iter().flatten().map(|id| indices.get(id).copied()).collect();
         match here.iter().flatten().next() {
-            // for a contact between two processes, the overlap is computed at the end of the next interval of motion
+            // for a contact between particles of two processes, the overlap is computed at the end of the next
+            // interval of motion
             Some(&own) if here.iter().any(Option::is_none) => {
                 abroad.push(CrossRankContact { carried, own, overlap: None })
             }
@@ -52,8 +53,8 @@ pub fn add_received_contacts<S: Solve>(
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     /// Distributes a part of a stored run, which the lead process has read as `bytes`, to the processes that own the
-    /// blocks (regions of the box). Returns to each process the bytes with its particles and their contacts. All
-    /// processes must call this function; all but the lead process pass empty `bytes`.
+    /// blocks (regions of the box). In each process, returns the bytes with the particles of this process and their
+    /// contacts. All processes must call this function; those other than the lead process pass empty `bytes`.
     pub fn deal<S: Solve<Carried = C>>(&self, bytes: &[u8], domain: &Domain) -> Vec<u8> {
         let mut outgoing = vec![Vec::new(); self.communicator.size()];
         let mut part = Particles::default();
@@ -88,7 +89,7 @@ pub fn pack<C: Serialize>(particles: &Particles, indices: &[u32], lasting: &[C])
 }
 
 /// Appends packed particles to `particles`, and returns the contacts that were packed with them. `None` if the bytes
-/// are too short or the contacts cannot be read. If the particles cannot be read, none is appended.
+/// are too short or the contacts cannot be read. If the particles cannot be read, no particle is appended.
 pub fn take_aboard<C: DeserializeOwned>(bytes: &[u8], particles: &mut Particles) -> Option<Vec<C>> {
     let (length, rest) = bytes.split_first_chunk::<LENGTH>()?;
     let (of_particles, rest) = rest.split_at_checked(u64::from_le_bytes(*length) as usize)?;

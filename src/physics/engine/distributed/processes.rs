@@ -32,8 +32,8 @@ impl<C> Default for Processes<C> {
 
 impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     /// Shares the run among processes; `population` summarises the sizes of all particles. If each process already
-    /// stores the particles of its block (region of the box), `cut` is the box. With `None` the lead process stores all
-    /// particles, which are distributed when islands (groups of particles that may meet) are next tried.
+    /// stores the particles of its block (region of the box), `cut` is the box. If `cut` is `None`, the lead process
+    /// stores all particles. They are distributed when islands (groups of particles that may meet) are next tried.
     pub fn share(&mut self, communicator: Arc<dyn Communicator>, population: PopulationSummary, cut: Option<&Domain>) {
         let domains = self.domains.insert(Domains::new(communicator, population));
         cut.into_iter().for_each(|domain| domains.begin_cut(domain));
@@ -88,12 +88,12 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.iter().for_each(|domains| domains.largest(values));
     }
 
-    /// Completes the sum of the energies [J] of contacts. Before the call, `sum` contains the energies of contacts
-    /// among own particles, and afterwards those of all contacts in all processes. `energy` returns the energy of a
-    /// contact. Does nothing if one process stores all particles.
+    /// Completes the sum of the energies [J] of contacts. Before the call, `sum` contains the energies of the contacts
+    /// among own particles; afterwards it contains those of all contacts in all processes. `energy` returns the energy
+    /// of a contact. Does nothing if one process stores all particles.
     pub fn add_energy(&self, sum: &mut ExactSum, energy: impl Fn(&C) -> f64) {
         if let Some(domains) = self.cut_domains().filter(|_| !self.is_shown()) {
-            // half, since both processes count it
+            // each of the two processes adds half of the energy, since both store the contact
             domains.abroad.iter().for_each(|abroad| sum.add(0.5 * energy(&abroad.carried)));
             domains.total(&mut [sum]);
         }
@@ -109,8 +109,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         (twice[0] / 2) as usize
     }
 
-    /// Replaces the increase of each count since `before` by its sum over all processes, and the size of the largest
-    /// island by the largest in any process.
+    /// Replaces the increase of each count since `before` by the sum of the increases in all processes. Replaces the
+    /// size of the largest island by the largest in any process.
     pub fn share_counts(&self, counters: &mut IslandCounters, before: &IslandCounters) {
         let Some(domains) = self.cut_domains() else { return };
         let mut past = *before;
@@ -125,7 +125,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         counters.largest = largest[0] as u64;
     }
 
-    /// Region of the box that contains the particles of this process; for a single process the whole box.
+    /// Region of the box that contains the particles of this process; for a single process, this is the whole box.
     pub fn region(&self, domain: &Domain) -> Region {
         self.domains.as_ref().map_or_else(|| Region::from(domain), |domains| domains.region(domain))
     }
@@ -146,8 +146,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Moves all particles to the lead process. `members` lists the particles that were in islands in the last part
-    /// (interval of time) of a window; their indices are adapted.
+    /// Moves all particles from all processes to the lead process. `members` lists the particles that were in islands
+    /// in the last part (interval of time) of a window; the function adapts their indices.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| domains.is_cut) {
             domains.assemble(solver, work, members);
@@ -155,8 +155,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Replaces all particles and contacts in progress by those of a stored run, which consists of `count` packed
-    /// parts. In the lead process, `next` returns the part with a given number. Each process keeps the particles in its
-    /// block (region of the box), among blocks of equal size; a single process keeps all.
+    /// parts. In the lead process, `next` returns the part with a given number. Each process keeps the particles in
+    /// its block (region of the box), among blocks of equal size; a single process keeps all particles.
     pub fn take_parts<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -182,8 +182,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Copies from other processes the particles that may belong to islands (groups of particles that may meet) of own
-    /// particles. Flights last `part` [s], in a frame with the velocity `frame` [m/s]. `flight` [m] is the largest
-    /// distance of a flying particle from the middle of its flight.
+    /// particles. A flight is the straight motion during `part` [s], in a frame with the velocity `frame` [m/s].
+    /// `flight` [m] is the largest distance of any point of a particle from the middle of its flight.
     pub fn borrow<S: Solve<Carried = C>>(
         &mut self,
         work: &mut Work<C>,
@@ -213,8 +213,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Removes the copies of particles of other processes, and the contacts of such copies, after a part (piece of the
-    /// time between two exchanges with the gas) with valid results. In `members`, a list of members of islands, indices
-    /// are adapted and removed copies are deleted.
+    /// time between two exchanges with the gas) with valid results. `members` lists the members of islands; the
+    /// function adapts their indices and deletes the removed copies from the list.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

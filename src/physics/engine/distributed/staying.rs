@@ -8,13 +8,13 @@ use crate::engine::Overlap;
 use crate::engine::driver::Work;
 use crate::engine::islands::Solve;
 
-/// New indices of the particles that stay in the store when others are removed.
+/// New indices of the particles that stay in the store when other particles are removed.
 pub struct Stay<'a> {
     /// True for each particle, by its old index, that stays in the store.
     mine: &'a [bool],
     /// Number of particles that stay; their new indices are below this number.
     count: u32,
-    /// Old and new indices of the particles that move from the end of the store to the places of removed ones, in
+    /// Old and new index of each particle that moves from the end of the store to the place of a removed particle, in
     /// ascending order.
     moves: Vec<(u32, u32)>,
 }
@@ -50,8 +50,8 @@ impl<C: Copy> Domains<C> {
     }
 
     /// Removes the copies of particles of other processes, and the contacts of such copies, after a part (piece of the
-    /// time between two exchanges with the gas) with valid results. In `members`, a list of members of islands, indices
-    /// are adapted and removed copies are deleted.
+    /// time between two exchanges with the gas) with valid results. `members` lists the members of islands; the
+    /// function adapts their indices and deletes the removed copies from the list.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -63,15 +63,15 @@ impl<C: Copy> Domains<C> {
         *members = members.iter().filter_map(|&index| stay.index(index)).collect();
     }
 
-    /// Removes all particles for which `mine` (one entry per index) is false, with the contacts that involve only such
+    /// Removes all particles for which `mine` (one entry per index) is false. Removes contacts that involve only such
     /// particles. Contacts between a removed particle and one that stays are moved to `abroad`.
     pub fn keep_own<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, mine: &[bool]) {
         drop(self.keep_some(solver, work, mine));
     }
 
-    /// Removes all particles for which `mine` (one entry per index) is false, with the contacts that involve only such
+    /// Removes all particles for which `mine` (one entry per index) is false. Removes contacts that involve only such
     /// particles. Contacts between a removed particle and one that stays are moved to `abroad`. Returns the new
-    /// indices.
+    /// indices of the particles that stay.
     pub(super) fn keep_some<'a, S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

@@ -1,14 +1,14 @@
 //! Shared uniform steps: each process moves the particles of its block, a part of the box. Process 0 is the lead
 //! process.
 //!
-//! When the neighbour list (the pairs that may touch soon) is built, a process borrows copies of the particles that its
-//! own particles may touch before the list is built again. A contact across the border of two blocks is computed in
-//! both processes. The two results agree in all bits, because the particles of each process are in the same order as in
-//! the list of all particles.
+//! When the neighbour list (the pairs that may touch soon) is built, a process borrows copies of the particles that
+//! its own particles may touch before the list is built again. A contact across the border of two blocks is computed
+//! in both processes. The two results agree in all bits, because the particles of each process are in the same order
+//! as in the list of all particles.
 //!
 //! After every kick (change of velocities by forces) the processes exchange the largest speed, and tell each other if
-//! one of them has failed. If forces acted on an own particle that another process borrows, its new velocity is then
-//! sent to that process.
+//! one of them has failed. If forces acted on a particle that another process borrows, the owner then sends the new
+//! velocity to that process.
 
 use super::DistributedSolver;
 use super::domains::Domains;
@@ -35,8 +35,8 @@ pub struct SharedSteps {
     /// Own particles of this process and its copies of particles of other processes; `None` if processes do not share
     /// the steps.
     pub halo: Option<Halo>,
-    /// Number of candidates for contacts in the neighbour lists of all processes together; `None` if the processes have
-    /// not shared the building of a list.
+    /// Total number of entries in the neighbour lists of all processes (pairs, and particles with walls, that may
+    /// touch soon), each counted once; `None` if the processes have not shared the building of a list.
     pub slots: Option<usize>,
     /// Neighbour list of all particles and forces that are not yet applied. They are stored only while the lead process
     /// has copies of all particles; otherwise `None`.
@@ -57,8 +57,8 @@ pub struct OtherProcesses<'a> {
     domains: &'a mut Domains<Contact>,
     /// Contacts in progress among the particles of this process.
     lasting: &'a mut Vec<Contact>,
-    /// Velocities before the last kick (change of velocities by forces), and all other quantities that a kick changes,
-    /// for undoing it.
+    /// Velocities, and all other quantities that a kick (change of velocities by forces) changes, before the last
+    /// kick. They serve to undo the kick.
     before: Particles,
     communicator: Arc<dyn Communicator>,
 }
@@ -98,8 +98,8 @@ impl<'a> OtherProcesses<'a> {
         all.fold(None, |first, failure| Some(first_named(first, failure)))
     }
 
-    /// Chooses the settings of the neighbour list, equal in all processes. The list will be used every `between_uses`
-    /// [s]; `own` contains the particles of this process.
+    /// Chooses the settings of the neighbour list, which are equal in all processes. The list will be used every
+    /// `between_uses` [s]; `own` contains the particles of this process.
     fn agreed(&self, own: &Particles, scene: &Scene, between_uses: f64) -> ListSettings {
         let sizes = (self.domains.population.count, self.domains.population.mean_radius[0]);
         ListSettings::across_processes(own, sizes, scene, between_uses, &*self.communicator)
@@ -219,8 +219,8 @@ impl SoftSolver {
         window: Window,
         domains: &mut Domains<Contact>,
     ) -> Result<(), Failure> {
-        // contacts are put into new blocks (ranges of candidates of the neighbour list). A new block first tests all of
-        // its candidates, so `look_anew` need not be called.
+        // contacts are put into new blocks (ranges of entries of the neighbour list). A new block first tests all of
+        // its entries, so `look_anew` need not be called.
         self.ran_last = true;
         work.record.count(&mut work.log.impacts);
         if !domains.is_cut {
@@ -289,8 +289,8 @@ impl SoftSolver {
         }
     }
 
-    /// Makes, in the lead process, which has copies of all particles, the joint neighbour list and the forces that are
-    /// not yet applied. The lead process writes both into a stored run.
+    /// Makes, in the lead process, the joint neighbour list and the joint list of forces that are not yet applied, for
+    /// a stored run. Before the call, the lead process must have copies of all particles.
     fn show_all(&mut self, work: &mut Work<Contact>, domains: &Domains<Contact>) {
         let Some(halo) = &self.shared.halo else { return };
         let parts = domains.communicator().collect(halo.packed(&self.pushes));
