@@ -11,7 +11,7 @@ use crate::scene::Scene;
 impl NeighbourList {
     /// [m/s] speed at which the mean flow of a sheared box may move each of two listed particles towards the other. It
     /// is half the shear rate times the largest distance between the centres of a listed pair. The caller adds this
-    /// speed to the largest speed relative to the frame of the list. 0 without shear.
+    /// speed to the largest speed of particles relative to the frame of the list. The result is 0 without shear.
     pub fn strain(&self, particles: &Particles, domain: &Domain) -> f64 {
         if domain.shear.is_none() {
             return 0.0;
@@ -20,8 +20,8 @@ impl NeighbourList {
         0.5 * domain.strain_rate() * (2.0 * largest + self.skin)
     }
 
-    /// Adds the pairs across the sheared sides of the box: the images of the lowest particles above the upper side are
-    /// compared with the particles below it.
+    /// Adds the pairs across the sheared sides of the box. For this purpose, images of the lowest particles above the
+    /// upper side are compared with the particles below that side.
     pub(super) fn find_pairs_across(
         &mut self,
         levels: &SizeLevels,

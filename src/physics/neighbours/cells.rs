@@ -27,7 +27,7 @@ impl CellGrid {
         std::array::from_fn(|axis| {
             // at most 4096 cells per axis, to limit the number of cells in a nearly empty box
             let fitting = (region.size()[axis] / edge).clamp(1.0, 4096.0) as usize;
-            // with two cells along a periodic axis, each would be the neighbour of the other on both sides
+            // with two cells along a periodic axis, each cell would be the neighbour of the other on both sides
             if region.periodic()[axis] && fitting < 3 { 1 } else { fitting }
         })
     }
@@ -110,7 +110,8 @@ impl CellGrid {
                 before += *count;
                 *count = before;
             }
-            // in reverse, so that the items of a cell stay in their order; `start` then has its documented meaning
+            // the loop runs in reverse, so that the items of a cell stay in their order; afterwards `start[c]` is the
+            // place of the first item of cell c
             for (chunk, (cells, _)) in chunks(share).rev() {
                 for (k, &c) in cells.iter().enumerate().rev() {
                     if let Some(start) = starts.get_mut((c as usize).wrapping_sub(share * width)) {
@@ -137,20 +138,20 @@ impl CellGrid {
         (grid, order)
     }
 
-    /// Index of the cell that contains the position `x` [m]. For a position beyond a side that is not periodic, it is
+    /// Index of the cell that contains the position `x` [m]. A position beyond a side that is not periodic belongs to
     /// the nearest cell, so that neighbours are still in neighbouring cells.
     #[inline]
     fn cell_of(&self, x: &Vector3<f64>) -> usize {
         let x = if self.region.is_all() { *x } else { self.region.local(x) };
-        // the conversion goes through u32, because processors have an instruction for u32 but not for usize
+        // the conversion goes through u32, because processors convert to u32 in one instruction, but not to usize
         let c: [usize; 3] =
             std::array::from_fn(|axis| ((x[axis] * self.per_length[axis]) as u32 as usize).min(self.count[axis] - 1));
         c[0] + self.count[0] * (c[1] + self.count[1] * c[2])
     }
 
     /// Calls `visit` with ranges of the cell order (the list of all items, cell by cell). Together the ranges contain
-    /// all items within `radius` [m] of `x` [m], each item once. The flag passed to `visit` is true if items of the
-    /// range may be nearer through a periodic side.
+    /// all items within `radius` [m] of `x` [m], each item once. The flag passed to `visit` is true if periodic images
+    /// of items in the range may be nearer than the items themselves.
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, radius: f64, mut visit: impl FnMut(Range<usize>, bool)) {
         let x = self.region.local(x);
@@ -203,7 +204,7 @@ impl CellGrid {
         });
     }
 
-    /// Range of the items of the cell number `cell` in the cell order (the list of all items, cell by cell).
+    /// Range of the items of the cell number `cell` in the cell order, the list of all items, cell by cell.
     #[inline]
     pub fn items_of(&self, cell: usize) -> Range<usize> {
         self.indices(cell, cell)
@@ -214,15 +215,17 @@ impl CellGrid {
         self.count[1] * self.count[2]
     }
 
-    /// Calls `visit(own, around, across)` for every non-empty cell of a row of cells along x. `own` is the range of the
-    /// cell's items in the cell order (the list of all items, cell by cell). `around` contains the ranges of possible
-    /// neighbours; the first begins at the end of `own`. Over all rows, each pair of neighbouring cells occurs once.
-    /// `across` is true if a neighbour may be nearer through a periodic side.
+    /// Calls `visit(own, around, across)` for every non-empty cell of a row of cells along x. `own` is the range of
+    /// the cell's items in the cell order (the list of all items, cell by cell). `around` contains the ranges of
+    /// possible neighbours; the first begins at the end of `own`. If all rows are visited, each pair of neighbouring
+    /// cells occurs once. `across` is true if the periodic image of a neighbour may be nearer than the neighbour
+    /// itself.
     #[inline(always)]
     pub fn for_each_cell(&self, row: usize, mut visit: impl FnMut(Range<usize>, &mut Around, bool)) {
         let [nx, ny, _] = self.count;
         let (cy, cz) = (row % ny, row / ny);
-        // only half of the neighbouring rows are visited; the other half visits this row in turn
+        // only half of the neighbouring rows are visited; their pairs with the other half are found when that half is
+        // visited
         let ahead = [(1isize, 0isize), (-1, 1), (0, 1), (1, 1)]
             .map(|(dy, dz)| Some(nx * (self.shifted(1, cy, dy)? + ny * self.shifted(2, cz, dz)?)));
         let base = nx * row;
@@ -252,7 +255,7 @@ impl CellGrid {
         }
     }
 
-    /// True if cells with the coordinate `at` along an axis are next to a periodic side.
+    /// True if the cells with the number `at` along an axis are next to a periodic side.
     fn is_at_side(&self, axis: usize, at: usize) -> bool {
         self.periodic[axis] && (at == 0 || at + 1 == self.count[axis])
     }
@@ -280,8 +283,8 @@ impl CellGrid {
     }
 }
 
-/// Largest number of ranges around a cell: one in its own row, four in other rows, and five more through a periodic
-/// side.
+/// Largest number of ranges of items around a cell: one in its own row, four in other rows, and five more beyond a
+/// periodic side.
 const RANGES: usize = 10;
 
 /// Ranges of the cell order (the list of all items, cell by cell) that contain the possible neighbours of an item.
@@ -298,7 +301,7 @@ impl Around {
         self.count += 1;
     }
 
-    /// Sets the first range to begin at the index `first`, the one after the current item of the cell. The search then
+    /// Lets the first range begin at the index `first`, directly after the current item of the cell. The search then
     /// finds each pair within a cell once.
     #[inline(always)]
     pub fn begin_at(&mut self, first: usize) {
@@ -312,7 +315,7 @@ impl Around {
     }
 }
 
-/// Cells between two coordinates along an axis, given by their numbers along this axis.
+/// Cells between two coordinates on an axis, given by their numbers along this axis.
 struct AxisCells {
     /// Numbers of the first and the last cell. Cells beyond a periodic side have numbers below 0 or above the largest
     /// number.
@@ -330,8 +333,8 @@ fn below(x: f64) -> isize {
     whole - isize::from(whole as f64 > x)
 }
 
-/// Number, among the `n` cells along a periodic axis, of the cell that lies whole periods from `cell`. The cell `cell`
-/// is at most one period outside the box. The flag is true if `cell` is outside the box.
+/// Number of the cell that is the periodic image of the cell `cell`, among the `n` cells along a periodic axis. The
+/// cell `cell` is at most one period outside the box. The flag is true if `cell` is outside the box.
 #[inline]
 fn turned(cell: isize, n: isize) -> (isize, bool) {
     if cell < 0 {

@@ -1,18 +1,18 @@
 //! Comparison of one ball with eight other balls at the same time, in single precision.
 //!
-//! If the processor has vectors of eight numbers (AVX2, tested at run time), the code uses them. Otherwise it does the
-//! same operations on vectors of four numbers, in the same order, with equal results.
+//! If the processor has vectors of eight numbers (AVX2, tested at run time), the code uses them. Otherwise the code
+//! does the same operations on vectors of four numbers, in the same order, with equal results.
 
 use wide::f32x4;
 
 /// Number of balls that are compared with one ball at the same time. A lane is the position of one number in a vector
-/// register of the processor.
+/// register (which holds several numbers) of the processor.
 pub const LANES: usize = 8;
 
 /// [m] coordinates x, y, z of the centres, and radii, of `LANES` balls.
 pub type Spots<'a> = [&'a [f32; LANES]; 4];
 
-/// Bit mask in which the bits of the first `count` lanes are set.
+/// Bit mask in which the lowest `count` bits are set, one for each lane (position in a vector).
 #[inline(always)]
 fn first(count: usize) -> usize {
     (1 << count.min(LANES)) - 1
@@ -28,8 +28,8 @@ pub trait Lanes: Copy {
 
     /// Returns a bit mask of the first `count` balls: a bit is set if the ball overlaps the ball `one` (centre and
     /// radius, [m]). The lowest bit belongs to the first ball. `period` [m] is the distance between images along each
-    /// axis. The distance is used only if `ACROSS` is true. `ACROSS` must be true if the nearest image of a ball may
-    /// lie across a periodic side.
+    /// axis. `ACROSS` must be true if the nearest image of a ball may lie across a periodic side; otherwise `period`
+    /// is not used.
     fn near<const ACROSS: bool>(self, one: &[Self::Wide; 4], others: Spots, count: usize, period: &[f32; 3]) -> usize;
 }
 

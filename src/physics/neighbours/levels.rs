@@ -1,7 +1,7 @@
 //! Cells for spheres of very different sizes: a separate grid for each range of sizes.
 //!
-//! A cell must be as large as the largest sphere in it. In a single grid such a cell would contain many small spheres:
-//! a thousand at a size ratio of ten. Spheres are therefore sorted by size into levels, each with its own grid. Pairs
+//! In a single grid, a cell must be as large as the largest sphere. It may then contain many small spheres: a thousand
+//! if these are ten times smaller. Spheres are therefore sorted by size into levels, each with its own grid. Pairs
 //! within a level are found as in a single grid. For each sphere, smaller spheres are searched in the grids of their
 //! levels. If all sizes are within a factor of two, there is one level. Ericson (2005, Real-Time Collision Detection,
 //! section 7.2) calls this method a hierarchical grid.
@@ -39,9 +39,10 @@ pub struct SizeLevels {
     levels: Vec<SizeLevel>,
 }
 
-/// Sizes of items (spheres, or balls that contain their paths), for sorting into levels (ranges of sizes) and cells.
+/// Sizes of items (spheres, or balls that contain the paths of spheres), for sorting into levels (ranges of sizes) and
+/// cells.
 pub struct SortedSizes<'a> {
-    /// [m] radius of each item. It determines to which level (range of sizes) the item belongs.
+    /// [m] radius of each item. The radius determines to which level (range of sizes) the item belongs.
     pub radius: &'a [f64],
     /// [m] largest and smallest radius of all items.
     pub range: [f64; 2],
@@ -52,7 +53,7 @@ pub struct SortedSizes<'a> {
     pub of_all: Option<&'a SizesOfAll>,
 }
 
-/// Sizes of the spheres in all processes that share a run, for each level (range of sizes).
+/// Numbers and sizes of the spheres in all processes that share a run, for each level (range of sizes).
 #[derive(Clone, Debug)]
 pub struct SizesOfAll {
     /// [m] largest and smallest radius of the spheres in all processes.
@@ -114,7 +115,7 @@ pub fn is_wide([most, least]: [f64; 2]) -> bool {
 /// Number and size of the spheres in each level (range of sizes), from which the cost of a search is estimated.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Census {
-    /// Number of spheres [-] and largest diameter [m] in each level that contains spheres.
+    /// Number of spheres [-] and largest diameter [m] in each level (range of sizes) that contains spheres.
     levels: Vec<(f64, f64)>,
     /// [m³] volume of the box.
     volume: f64,
@@ -122,7 +123,7 @@ pub struct Census {
 
 impl Census {
     /// Counts the spheres of all processes in each level (range of sizes). `range` [m] contains the largest and the
-    /// smallest radius, and `volume` [m³] is that of the box. `None` if all spheres belong to one level.
+    /// smallest radius, and `volume` is the volume [m³] of the box. `None` if all spheres belong to one level.
     pub fn of(sample: &Sample, range: [f64; 2], volume: f64) -> Option<Self> {
         if !is_wide(range) {
             return None;
@@ -141,9 +142,9 @@ impl Census {
         Some(Self { levels, volume })
     }
 
-    /// [-] number of pairs per sphere that a search tests, if the reach (radius, or radius of a ball around the path)
-    /// of every sphere grows by half of `wider` [m]. A sphere is tested with spheres of its level in 27 cells around
-    /// it, each pair counted once, and with smaller spheres near it.
+    /// [-] number of pairs per sphere that a search tests, if the reach (radius of the ball that contains the path of
+    /// a sphere) exceeds the radius of every sphere by half of `wider` [m]. Each sphere is tested with the spheres of
+    /// its level in the 27 cells around it, and with smaller spheres near it; each pair is counted once.
     pub fn looked_at(&self, wider: f64) -> f64 {
         let all: f64 = self.levels.iter().map(|(count, _)| count).sum();
         let mut pairs = 0.0;
@@ -170,8 +171,7 @@ impl SizeLevels {
         region: &Region,
     ) {
         let edge = |reach: f64, count: usize| {
-            // cells contain about one particle, if such cells are larger than required, because empty cells also cost
-            // computing time
+            // empty cells cost computing time too, so cells are made large enough to contain about one particle each
             let spacing = (region.volume() / count.max(1) as f64).cbrt();
             (2.0 * reach + sizes.skin).max(0.8 * spacing)
         };
@@ -221,8 +221,8 @@ impl SizeLevels {
         self.sort(items, &sizes, position, reach, region);
     }
 
-    /// Sorts the items of each cell by their keys: `key` contains the key of each item, by index. The order of the
-    /// items in a cell then does not depend on the order in which the items are stored.
+    /// Sorts the items of each cell by the numbers in `key`, which contains one number for each item, by index. The
+    /// order of the items in a cell then does not depend on the order in which the items are stored.
     pub fn sort_cells(&mut self, key: &[u32]) {
         for level in &mut self.levels {
             let SizeLevel { grid, order, .. } = level;
@@ -243,8 +243,8 @@ impl SizeLevels {
         }
     }
 
-    /// Removes and returns the list of indices that [`order`](Self::order) gives. The grids of cells remain, without
-    /// the memory that was used for sorting.
+    /// Removes and returns the list of indices that [`order`](Self::order) gives. The grids of cells remain; the
+    /// memory that was used for sorting is freed.
     pub fn take_order(&mut self) -> Vec<u32> {
         self.levels.iter_mut().for_each(|level| level.grid.shed());
         match self.levels.as_mut_slice() {
@@ -283,17 +283,18 @@ impl SizeLevels {
         level + 1 < self.levels.len()
     }
 
-    /// Calls `visit` with ranges of the order of all levels (level by level, cell by cell). Together they contain all
-    /// items of levels with smaller spheres, those after `level`, that an item at `x` [m] may touch. `reach` [m] is the
-    /// radius of this item plus the skin, the gap up to which pairs are searched. The flag passed to `visit` is true if
-    /// items of the range may be nearer through a periodic side.
+    /// Calls `visit` with ranges of the list of all items (level by level, cell by cell). Together these ranges
+    /// contain all items in the levels after `level` (those for smaller spheres) that an item at `x` [m] may touch.
+    /// `reach` [m] is the radius of this item plus the skin, the gap up to which pairs are searched. The flag passed
+    /// to `visit` is true if periodic images of items in the range may be nearer than the items themselves.
     #[inline(always)]
     pub fn for_each_smaller(&self, level: usize, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels[level + 1..], x, reach, visit);
     }
 
-    /// Calls `visit` with ranges of the order of all levels, which together contain all items that an item at `x` [m]
-    /// may touch. The arguments are those of [`for_each_smaller`](Self::for_each_smaller).
+    /// Calls `visit` with ranges of the list of all items (level by level, cell by cell), which together contain all
+    /// items that an item at `x` [m] may touch. The arguments are those of
+    /// [`for_each_smaller`](Self::for_each_smaller).
     #[inline(always)]
     pub fn for_each_near(&self, x: &Vector3<f64>, reach: f64, visit: impl FnMut(Range<usize>, bool)) {
         near(&self.levels, x, reach, visit);

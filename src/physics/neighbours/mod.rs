@@ -1,8 +1,8 @@
 //! Neighbour lists: pairs of particles, and of particles and walls, that may touch soon.
 //!
 //! A [`NeighbourList`] contains all pairs of particles, and of particles and walls, whose gap is below a length called
-//! skin. It is complete until a particle has moved by half the skin relative to a common frame. After each step, the
-//! engine passes to the list the distance that its particles may have moved. The list then shows whether it must be
+//! skin. The list is complete until a particle has moved by half the skin relative to a common frame of reference.
+//! After each step, the engine tells the list how far particles may have moved. The list then shows whether it must be
 //! rebuilt.
 
 mod across;
@@ -67,8 +67,8 @@ pub struct NearWall {
 }
 
 impl NearWall {
-    /// [m] present gap between particle and wall. Some shapes of walls are searched only near the particle. For such a
-    /// wall farther away, the value is positive, but smaller than the gap.
+    /// [m] present gap between particle and wall. Some shapes of walls are searched only near the particle. If such a
+    /// wall is farther away, the value is positive, but smaller than the gap.
     #[inline]
     pub fn gap(&self, particles: &Particles, scene: &Scene) -> f64 {
         let index = self.particle as usize;
@@ -77,8 +77,9 @@ impl NearWall {
     }
 }
 
-/// Neighbour list: candidates for contacts. A *slot* is the number of a candidate. The pairs have the first numbers,
-/// followed by the particles with walls.
+/// Neighbour list: candidates for contacts, which are pairs of particles, or particles with walls. A *slot* is the
+/// number of a candidate. The pairs of particles have the first numbers, and the particles with walls the following
+/// ones.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct NeighbourList {
     /// Pairs whose gap was below the skin when the list was built, grouped by the first particle `i`.
@@ -90,8 +91,8 @@ pub struct NeighbourList {
     pub clock: Clock,
     /// Ranges of `pairs` by first particle: the pairs of particle `i` are `pairs[first_pair[i] .. first_pair[i + 1]]`.
     first_pair: Vec<u32>,
-    /// [m] distance between the centres at which two particles touch, if it is equal for all pairs; otherwise `None`.
-    /// With a common distance, no radii are read.
+    /// [m] distance between the centres of two particles that touch, if this distance is equal for all pairs;
+    /// otherwise `None`. With a common distance, the code need not read radii.
     common_reach: Option<f64>,
     skin: f64,
     /// [-] number of times that the list can be used before it must be rebuilt, at the speeds when it was built.
@@ -104,13 +105,13 @@ pub struct NeighbourList {
 
 impl NeighbourList {
     /// [m/s] velocity of the frame relative to which the list measures how far particles move. It is the mean velocity
-    /// of the particles (in a sheared box, relative to the mean flow), reduced to its component that changes no gap to
-    /// a wall.
+    /// of the particles (in a sheared box, relative to the mean flow), without its components that change a gap to a
+    /// wall.
     pub fn frame(&self) -> Vector3<f64> {
         self.frame
     }
 
-    /// [m] skin: gap up to which pairs are listed.
+    /// [m] skin: gap between two bodies up to which they are listed.
     pub fn skin(&self) -> f64 {
         self.skin
     }
@@ -120,12 +121,9 @@ impl NeighbourList {
         self.travelled
     }
 
-    /// [m] gap up to which an inner list should contain pairs. An inner list is a shorter list of pairs, selected from
-    /// this list. `None` if an inner list saves no computing time.
-    ///
-    /// An inner list for gaps up to s contains the fraction s/skin of the pairs, and can be used `uses`·s/skin times.
-    /// During these uses all pairs are tested once, and those of the inner list at every use. The cost is lowest for
-    /// s = skin/sqrt(`uses`).
+    /// The inner list for gaps up to s contains the fraction s/skin of all pairs, and can be used n·s/skin times,
+    /// where n (the field `uses`) is the number of uses of the whole list. During these uses all pairs are tested
+    /// once, and those of the inner list at every use. The cost is lowest for s = skin/√n.
     pub fn inner_skin(&self) -> Option<f64> {
         // for fewer uses there is no gain; at most 400 are assumed, because speeds may increase
         (self.uses >= 8.0).then(|| self.skin / self.uses.min(400.0).sqrt())
@@ -168,10 +166,10 @@ impl NeighbourList {
     }
 
     /// Builds the list for the present positions. The skin (gap up to which pairs are listed) is that of lowest
-    /// computing cost for a list that is used once per `between_uses` [s] of simulated time. At the present speeds the
-    /// list lasts for at least one use. Particles outside a periodic side are moved to their image inside the box, and
-    /// all particles are sorted cell by cell. The returned list contains, for each new index, the previous index of the
-    /// particle.
+    /// computing cost for a list that is used at intervals of `between_uses` [s] in simulated time. At the present
+    /// speeds the list lasts for at least one use. Particles outside a periodic side are moved to their image inside
+    /// the box, and all particles are sorted cell by cell. The returned list contains, for each new index, the
+    /// previous index of the particle.
     pub fn build(&mut self, particles: &mut Particles, scene: &Scene, between_uses: f64) -> Vec<u32> {
         self.build_in(&Region::from(&scene.domain), particles, scene, between_uses)
     }
@@ -225,15 +223,15 @@ impl NeighbourList {
         order
     }
 
-    /// Returns a copy of the list without pairs and walls. The copy contains the data that are the same in all
+    /// Returns a copy of the list without pairs and walls. The copy contains only the data that are the same in all
     /// processes of a run.
     pub fn without_pairs(&self) -> Self {
         let (clock, first_pair) = (self.clock.clone(), Vec::new());
         Self { pairs: Vec::new(), walls: Vec::new(), clock, first_pair, ..*self }
     }
 
-    /// Builds the list again. `particles` must be at the positions for which the list was last built. The stored
-    /// distance that particles have moved since then does not change. Returns the previous index of each particle.
+    /// Builds the list again. `particles` must be at the positions for which the list was last built. The list keeps
+    /// its record of the distance that particles have moved since then. Returns the previous index of each particle.
     pub fn build_again(&mut self, particles: &mut Particles, scene: &Scene) -> Vec<u32> {
         let (travelled, builds) = (self.travelled, self.builds);
         let plan =
@@ -266,7 +264,7 @@ impl NeighbourList {
             pairs.shrink_to_fit();
             pairs
         };
-        // groups of rows are processed in turn, so that only the pairs of one group of rows are in memory twice
+        // groups of rows are processed one after the other, so that only the pairs of one group are in memory twice
         self.pairs.clear();
         for rows in levels.rows().chunks(4 * ROWS * rayon::current_num_threads()) {
             let parts: Vec<Vec<Pair>> = work_sharing::map(rows.chunks(ROWS), find);
@@ -351,8 +349,8 @@ impl NeighbourList {
             .map(|k| self.pairs.len() + k)
     }
 
-    /// Replaces the content of `slots` by the numbers of all candidates (pairs, particles and walls) that overlap at
-    /// present, in ascending order.
+    /// Replaces the content of `slots` by the numbers of all candidates (pairs of particles, or particles with walls)
+    /// that overlap at present, in ascending order.
     pub fn overlapping(&self, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         slots.clear();
         let all = self.slots();
@@ -368,8 +366,8 @@ impl NeighbourList {
         slots.extend(parts.iter().flatten());
     }
 
-    /// Appends to `slots` the numbers in `range` of the candidates (pairs, particles and walls) that overlap at
-    /// present, in ascending order.
+    /// Appends to `slots` the numbers in `range` of the candidates (pairs of particles, or particles with walls) that
+    /// overlap at present, in ascending order.
     pub fn overlapping_within(&self, range: Range<usize>, particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let end = range.end;
         let walls = range.start.max(self.pairs.len());
@@ -395,8 +393,8 @@ impl NeighbourList {
         }
     }
 
-    /// Appends to `slots` those numbers in `some` whose two particles overlap at present, in the order of `some`. All
-    /// numbers in `some` must be those of pairs of particles.
+    /// Appends to `slots` those numbers of the list `some` whose two particles overlap at present, in the order of
+    /// `some`. All numbers in `some` must belong to pairs of particles.
     pub fn overlapping_of(&self, some: &[u32], particles: &Particles, scene: &Scene, slots: &mut Vec<u32>) {
         let some = some.iter().map(|&slot| (slot, &self.pairs[slot as usize]));
         match self.common_reach {
@@ -425,8 +423,8 @@ impl NeighbourList {
     }
 }
 
-/// Appends to `slots` the numbers of those pairs in `some` whose centres are nearer to each other than `reach` returns
-/// [m].
+/// Appends to `slots` the numbers of those pairs in `some` whose centres are nearer to each other than the distance
+/// [m] that `reach` returns.
 #[inline(always)]
 fn within<'a>(
     some: impl Iterator<Item = (u32, &'a Pair)>,
@@ -459,8 +457,8 @@ pub fn pairs_with_gap(particles: &Particles, scene: &Scene, gap: f64) -> Vec<[us
     list.pairs.iter().map(|pair| [pair.i, pair.j].map(|index| order[index as usize] as usize)).collect()
 }
 
-/// Component of a velocity or acceleration `vector`, common to all particles, that changes no gap to a wall. It is
-/// parallel to all planes, and zero if some wall is not a plane.
+/// Component of a vector (velocity or acceleration of all particles) that is parallel to all walls, so that it changes
+/// no gap to a wall. The result is zero if some wall is not a plane.
 pub fn along_walls(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     let mut normals: Vec<Vector3<f64>> = Vec::new();
     let mut rest = vector;

@@ -1,5 +1,5 @@
 //! Fast test for possible overlaps of balls. The balls are stored in cell order and in single precision, and tested
-//! eight at a time. The test rejects most pairs, so that few need an exact test.
+//! eight at a time. The test rejects most pairs, so that few pairs need an exact test.
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::eight::Eight;
@@ -11,7 +11,7 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Number of lanes (positions in a vector register) whose results are stored at the same time.
+/// Number of lanes (positions in a vector register of the processor) whose results are stored at the same time.
 const AT_ONCE: usize = 4;
 
 /// A ball, prepared for comparison with several others at the same time.
@@ -22,8 +22,8 @@ struct PackedBall<W> {
     spot: [W; 4],
 }
 
-/// Numbers of the lanes (positions in a vector register) whose bits are set, in ascending order, for every mask of four
-/// bits.
+/// For every mask of four bits: numbers of the lanes (positions in a vector register of the processor) whose bits are
+/// set, in ascending order.
 const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
     let mut all = [[0; AT_ONCE]; 1 << AT_ONCE];
     let mut bits = 0;
@@ -44,9 +44,9 @@ const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
 /// Largest number of indices of balls that are collected before they are passed to the caller.
 const ROOM: usize = 64;
 
-/// Collects the indices of balls that may overlap another ball, without branches (conditional jumps of the program).
-/// Four indices are stored at a time, and the count increases by the number of balls that may overlap. This costs less
-/// than a branch that the processor often predicts wrongly.
+/// Collection of the indices of balls that may overlap another ball. Indices are added without branches (conditional
+/// jumps of the program). Four indices are stored at a time, and the count increases by the number of balls that may
+/// overlap. This costs less than a branch that the processor often predicts wrongly.
 struct Picked {
     indices: [u32; ROOM],
     count: usize,
@@ -72,7 +72,7 @@ impl Picked {
     }
 }
 
-/// Eight consecutive numbers of a list from the index `first` on; `None` if fewer are left.
+/// Eight consecutive numbers of a list from the index `first` on; `None` if fewer than eight are left.
 #[inline(always)]
 fn eight_of(numbers: &[f32], first: usize) -> Option<&[f32; LANES]> {
     numbers.get(first..)?.first_chunk()
@@ -94,7 +94,8 @@ pub struct PackedBalls {
     /// [m] centres along x, y, z, and radii, as four lists, from which eight consecutive numbers are loaded at a time.
     /// The padding at the end has no meaning.
     spots: [Vec<f32>; 4],
-    /// [m] distance between periodic images along each axis; infinite along axes without images.
+    /// [m] distance between periodic images along each axis; infinite along an axis on which the region is not
+    /// periodic.
     period: [f32; 3],
     /// [m] increase of all radii, so that rounding of coordinates cannot hide an overlap.
     rounding: f64,
@@ -112,8 +113,8 @@ impl PackedBalls {
         let periodic = region.periodic();
         self.period =
             std::array::from_fn(|axis| if periodic[axis] { region.size()[axis] as f32 } else { f32::INFINITY });
-        // eight roundings to single precision: two for each of three coordinates, and two for the difference from a
-        // period
+        // eight roundings to single precision: two for each of the three coordinates, and two for the difference from
+        // a period
         let rounding = 8.0 * f64::from(f32::EPSILON) * region.size().amax();
         self.rounding = rounding;
         let [x, y, z, radii] = self.spots.each_mut().map(|numbers| numbers.chunks_mut(CHUNK));
@@ -126,7 +127,7 @@ impl PackedBalls {
         });
     }
 
-    /// Ball number `number` of the cell order, prepared for comparison with several balls at the same time.
+    /// Prepares ball number `number` of the cell order for comparison with several balls at the same time.
     #[inline(always)]
     fn one<L: Lanes>(&self, number: usize, lanes: L) -> PackedBall<L::Wide> {
         let [x, y, z, radii] = &self.spots;
@@ -135,11 +136,11 @@ impl PackedBalls {
     }
 
     /// Calls `visit` with the index of each ball of a row of cells, and the indices of balls that may overlap it. Each
-    /// pair occurs once. The pairs of one ball may come in several consecutive calls. `row` contains the number of a
-    /// level (range of sizes), and the number of a row in the grid of this level. `smaller` returns the centre and the
-    /// radius [m] with which a ball is compared with balls of levels for smaller sizes. `CROWDED` should be true if, in
-    /// most tests of four balls, at least one of them overlaps the ball. This choice changes the speed but not the
-    /// results. Returns the number of pairs tested.
+    /// pair occurs once, but several calls in succession may belong to one ball. `row` contains the number of a level
+    /// (range of sizes), and the number of a row in the grid of this level. `smaller` returns, for the index of a
+    /// ball, the centre and the radius [m] with which this ball is searched for neighbours in levels for smaller
+    /// sizes. `CROWDED` should be true if, in most tests of four balls, at least one of them overlaps the ball. This
+    /// choice changes the speed but not the results. Returns the number of pairs tested.
     #[inline(always)]
     pub fn for_each_near<const CROWDED: bool>(
         &self,
@@ -257,7 +258,8 @@ impl PackedBalls {
     }
 
     /// Collects the balls of a range of the cell order that may overlap the ball `one`. Because of rounding, some of
-    /// them have a small gap. `across` must be true if images through periodic sides may be nearer.
+    /// these balls do not overlap it but have a small gap. `across` must be true if periodic images of the balls may
+    /// be nearer than the balls themselves.
     #[inline(always)]
     fn pick<const CROWDED: bool, L: Lanes>(
         &self,

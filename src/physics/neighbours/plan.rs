@@ -26,9 +26,9 @@ pub struct ListSettings {
 }
 
 impl ListSettings {
-    /// Settings for the present velocities. The skin (gap up to which pairs are listed) is that of lowest computing
-    /// cost for a list that is used once per `between_uses` [s] of simulated time. At the present speeds the list lasts
-    /// for at least one use.
+    /// Chooses settings for the present velocities. The skin (gap up to which pairs are listed) is that of lowest
+    /// computing cost for a list that is used at intervals of `between_uses` [s] in simulated time. At the present
+    /// speeds the list lasts for at least one use.
     pub fn of(particles: &Particles, scene: &Scene, between_uses: f64) -> Self {
         let relative = particles.relative_to_flow(&scene.domain);
         let frame = along_walls(scene, relative.mean_velocity());
@@ -36,8 +36,8 @@ impl ListSettings {
         Self::new((frame, relative.largest_speed(frame)), sizes, scene, between_uses)
     }
 
-    /// Settings as [`of`](Self::of) returns them, for a run that several processes share. `particles` are those of this
-    /// process. All processes together have `count` particles with the mean radius `mean_radius` [m].
+    /// Chooses settings as [`of`](Self::of) does, for a run that several processes share. `particles` are those of
+    /// this process. All processes together have `count` particles with the mean radius `mean_radius` [m].
     pub fn across_processes(
         particles: &Particles,
         (count, mean_radius): (usize, f64),
@@ -70,14 +70,15 @@ impl ListSettings {
     }
 }
 
-/// [m] skin (gap up to which pairs are listed) of lowest computing cost. With a larger skin a list is built less often,
-/// but contains more pairs.
+/// [m] skin (gap up to which pairs are listed) of lowest computing cost. With a larger skin, a list is built less
+/// often, but it contains more pairs.
 ///
 /// There are `count` particles with the mean radius `mean_radius` [m]. `travel` [m] is the distance that particles may
-/// move relative to the frame between two uses of the list. The unit of cost is one test of a pair per particle. The
-/// costs are constants that were measured once, so that results do not depend on the machine.
+/// move relative to the frame between two uses of the list. Costs are counted per particle and use, in units of the
+/// test of one pair. They are constants that were measured once, so that results do not depend on the machine.
 fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f64) -> f64 {
-    /// [-] cost of building a list per particle over the cost of testing a pair (docs/design/neighbours.md, "Skin").
+    /// [-] cost of building a list, per particle, over the cost of testing one pair (docs/design/neighbours.md,
+    /// "Skin").
     const BUILD: f64 = 60.0;
     let count = count.max(1) as f64;
     let diameter = 2.0 * mean_radius;
@@ -99,7 +100,7 @@ fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f6
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
     let longest = periods.fold(f64::INFINITY, f64::min) * 0.5;
     let skin = best.1.min(longest).max(2.0 * travel);
-    // a skin of zero would make spheres at rest cause a rebuild at every use; the last factor allows for rounding of
-    // the distances moved
+    // with a skin of zero, the list of spheres at rest would be rebuilt at every use. The last factor allows for
+    // rounding of the distances moved.
     skin.max(1e-3 * diameter) * (1.0 + 1e-9)
 }

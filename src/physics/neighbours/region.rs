@@ -1,4 +1,4 @@
-//! Region of the box that is sorted into cells: the whole box, or a block of it if processes share a run.
+//! Region of the box that is sorted into cells: the whole box, or a block of the box if processes share a run.
 
 use crate::domain::Domain;
 use nalgebra::Vector3;
@@ -58,7 +58,8 @@ impl Region {
         self.size.product()
     }
 
-    /// True for each axis along which a particle that leaves the block on one side enters it on the opposite side.
+    /// True for each axis along which the block is periodic: a particle that leaves it on one side enters it on the
+    /// opposite side.
     pub fn periodic(&self) -> [bool; 3] {
         self.periodic
     }
@@ -85,8 +86,8 @@ impl Region {
         self.is_all
     }
 
-    /// [m] distance of the position `x` [m] from the nearest side of the block beyond which the box continues. It is
-    /// infinite for the whole box, and negative if `x` is outside the block.
+    /// [m] distance of the position `x` [m] from the nearest side of the block beyond which the box continues. The
+    /// distance is infinite if the block is the whole box, and negative if `x` is outside the block.
     pub fn depth(&self, x: &Vector3<f64>, domain: &Domain) -> f64 {
         let local = self.local(x);
         (0..3).fold(f64::INFINITY, |least, axis| {

@@ -1,8 +1,8 @@
 //! Selection of items without branches (conditional jumps of the program), for a test of every pair in a list.
 
-/// Selects items in their order, without branches. Each item is stored, but the count increases only for items to be
-/// selected, so that the next item overwrites an item that is not selected. This costs less than a branch that the
-/// processor often predicts wrongly.
+/// Selects items in their order, without branches. Each item is stored, but the count increases only if the item is
+/// selected. The next item overwrites an item that is not selected. This costs less than a branch that the processor
+/// often predicts wrongly.
 pub(super) struct Sieve<T> {
     held: [T; 64],
     count: usize,
