@@ -9,7 +9,7 @@ use crate::fluid::Profile;
 use crate::scene::{Kind, Scene, Surface};
 use nalgebra::Vector3;
 
-/// Smallest number of particles with which the gas in a periodic box is treated as a cooling gas.
+/// Smallest number of particles in a periodic box that are treated as a cooling gas.
 const FEWEST: usize = 100;
 
 /// Cooling gas of equal spheres. Inelastic collisions remove its energy, and nothing replaces the energy.
@@ -33,7 +33,7 @@ fn is_undriven(scene: &Scene) -> bool {
 }
 
 /// [s] contact time of the TC model of hard spheres, which makes collisions in quick succession elastic; `None` for
-/// other models and without this time.
+/// other engines, or if the case does not give this time.
 fn contact_time(experiment: &Experiment) -> Option<f64> {
     experiment.hard.contact_time.filter(|_| experiment.model() == Model::Hard)
 }
@@ -88,7 +88,7 @@ impl Cooling {
 
 /// [m/s] settling velocity of a single sphere: the gas velocity plus the slip velocity (relative to the gas) at which
 /// drag balances the weight. `None` without gravity or drag, for a gas velocity that depends on the position, or for
-/// several species.
+/// several species or sizes. Also `None` if the drag law depends on the volume fraction of the particles.
 pub fn settling_velocity(scene: &Scene) -> Option<Vector3<f64>> {
     let fluid = scene.fluid.as_ref()?;
     let (drag, [species], Profile::Uniform(gas)) = (fluid.drag.as_ref()?, scene.species.as_slice(), &fluid.profile)
@@ -113,7 +113,8 @@ struct BounceFlight {
     velocity: f64,
 }
 
-/// Sphere that bounces between a floor and a ceiling perpendicular to gravity, in a vacuum.
+/// Sphere that bounces from a floor, and from a ceiling if there is one, without drag. Both are perpendicular to
+/// gravity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bouncing {
     /// [m/s²] magnitude of the acceleration by gravity.
@@ -130,8 +131,8 @@ impl Bouncing {
     /// inlets, outlets, several species or sizes, or if a wall is not a smooth plane at rest and perpendicular to
     /// gravity.
     pub fn of(experiment: &Experiment, [position, velocity]: [Vector3<f64>; 2]) -> Option<Self> {
-        /// [-] duration of the shortest flight that is computed, over that of the run. Shorter flights could not be
-        /// distinguished in a picture.
+        /// [-] duration of the shortest flight that is computed, over the duration of the run. Shorter flights could
+        /// not be distinguished in a picture.
         const SHORTEST: f64 = 1e-5;
         let (scene, duration) = (&experiment.scene, experiment.run.duration);
         let elastic = contact_time(experiment).unwrap_or(0.0);
@@ -204,11 +205,11 @@ pub struct Chain {
     along: Vector3<f64>,
     /// [m] diameter of the equal spheres.
     diameter: f64,
-    /// Rank of each sphere in the order along the row, from 0 for the first sphere.
+    /// Place of each sphere in the order along the row, by the index of the sphere; 0 for the first in the row.
     rank: Vec<usize>,
-    /// Coordinate [m] at the start and velocity [m/s] of each straight flight along the row, in the order along the
-    /// row. One diameter is subtracted from the coordinate for each sphere that comes before in this order, as if
-    /// spheres were points.
+    /// Straight flights along the row, in the order along the row: coordinate [m] at the start and velocity [m/s] of
+    /// each flight. From the coordinate, one diameter is subtracted for each sphere that comes before, as if spheres
+    /// were points.
     free: Vec<[f64; 2]>,
 }
 

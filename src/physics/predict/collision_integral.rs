@@ -17,7 +17,7 @@
 use std::f64::consts::{PI, SQRT_2};
 
 /// Number of intervals of Simpson's rule along the path of two spheres in contact, from their smallest distance to the
-/// end of the contact. The integrand varies only by a factor of two.
+/// end of the contact. Few intervals are enough, since the integrand varies only by a factor of two.
 const PATH: usize = 16;
 /// Number of intervals of Simpson's rule over the impact parameter. The finest detail is due to grazing contacts, whose
 /// impact parameter differs from the diameter by less than an overlap.
@@ -74,9 +74,9 @@ pub fn deflection(impact: f64, depth: f64) -> f64 {
     PI - 2.0 * impact.asin() - 2.0 * simpson(1.0, PATH, path)
 }
 
-/// [-] effective cross-section Q at one speed of soft spheres, over that of hard spheres: 3 ∫ sin²χ b db, with the
-/// impact parameter b in diameters. `depth` is the largest overlap of a head-on impact at this speed, over the diameter
-/// [-].
+/// [-] effective cross-section Q of soft spheres at one speed, over that of hard spheres: 3 ∫ sin²χ b db, with the
+/// angle χ of [`deflection`] and the impact parameter b in diameters. `depth` is the largest overlap of a head-on
+/// impact at this speed, over the diameter [-].
 fn turned(depth: f64) -> f64 {
     // the substitution b = sin θ resolves grazing impacts
     let of = |theta: f64| {

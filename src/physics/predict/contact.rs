@@ -12,13 +12,13 @@ use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// [-] largest allowed change of the distance of two colliding particles in one time step, over the diameter,
-/// CFL_p^col: the lowest value in the paper (Table 1, cases B and E). It applies at the normal speed that 99 % of the
-/// impacts do not exceed.
+/// [-] largest allowed change of the distance of two colliding particles in one time step, over the diameter
+/// (CFL_p^col in the paper). The value is the lowest in the paper (Table 1, cases B and E). The limit applies at the
+/// normal speed that 99 % of the impacts do not exceed.
 const CFL_COLLISION: f64 = 0.01;
 
-/// [-] largest allowed displacement of a particle in one time step, over the cell size of the grid of the gas, CFL_p:
-/// the paper's Table 1.
+/// [-] largest allowed displacement of a particle in one time step, over the cell size of the grid of the gas (CFL_p
+/// in the paper, Table 1).
 const CFL_PARTICLE: f64 = 1.5;
 
 /// Kind of contact: between particles of two species, or between a species and walls with the same surface properties.
@@ -31,7 +31,7 @@ pub struct ContactKind {
     /// Properties of the two bodies on which a contact law depends.
     #[serde(flatten)]
     pub bodies: Bodies,
-    /// [m] diameter of the smaller particle (at a wall, of the particle), by which overlaps are divided.
+    /// [m] diameter of the smaller particle, or of the particle at a wall. Overlaps are divided by this diameter.
     pub diameter: f64,
     /// Distribution of the normal speeds of impact.
     pub speeds: ImpactSpeeds,
@@ -145,7 +145,7 @@ impl ImpactSpeeds {
 /// Predictions for one kind of contact, under a contact law.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactPrediction {
-    /// Kind of contact: its two bodies and the speeds of its impacts.
+    /// Two bodies of the contact, and distribution of the speeds of their impacts.
     #[serde(flatten)]
     pub contact: ContactKind,
     /// [N/m] stiffness of a linear spring; for Hertz's law the constant k_H [N/m^1.5].
@@ -158,9 +158,9 @@ pub struct ContactPrediction {
     pub kappa: f64,
     /// [m/s] mean normal speed of the impacts of this kind.
     pub impact_speed: f64,
-    /// [-] largest overlap of an impact divided by the diameter, averaged over the impacts.
+    /// [-] largest overlap of an impact, divided by the diameter; mean over all impacts.
     pub mean_overlap: f64,
-    /// [-] largest overlap of an impact divided by the diameter, as the 99 % quantile over the impacts.
+    /// [-] largest overlap of an impact, divided by the diameter; 99 % of the impacts have a smaller value.
     pub overlap_99: f64,
     /// [-] number of time steps per contact N_c, at the chosen time step.
     pub steps: f64,
@@ -172,9 +172,10 @@ pub struct ContactPrediction {
 }
 
 /// Lists all possible kinds of contact of a scene. `counts` holds the number of particles of each species. `pair`
-/// returns the distribution of impact speeds for the indices of two species, and `at_wall` that for a species at a
-/// wall. Walls with the same surface properties are one kind. A species with one particle has no contact with itself. A
-/// restitution that depends on the speed is taken at the mean speed of the impacts.
+/// returns the distribution of impact speeds for the indices of two species, and `at_wall` returns that for the index
+/// of a species at a wall. Walls with the same surface properties count as one kind of contact. A species with one
+/// particle has no contact with itself. A restitution that depends on the speed is taken at the mean speed of the
+/// impacts.
 pub fn contacts(
     scene: &Scene,
     counts: &[usize],
@@ -283,8 +284,8 @@ pub fn at_fastest_impacts(experiment: &Experiment) -> Vec<ContactKind> {
     contacts(&experiment.scene, &experiment.counts(), |_, _| speeds(), |_| speeds())
 }
 
-/// Shortest possible contact times of a scene [s], which the time step must resolve. They differ between pairs and
-/// walls, because the effective masses differ.
+/// Shortest possible contact times of a scene [s], which the time step must resolve. Contact times differ between
+/// pairs and walls, because the effective masses differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactTimes {
     /// [s] shortest contact time of two particles; `None` if there are fewer than two particles.
@@ -361,7 +362,8 @@ pub fn usual_impact(scene: &Scene, start: &[Population]) -> f64 {
     if speed > 0.0 { speed } else { AT_REST }
 }
 
-/// [m²/s²] square of the speed after a fall from rest through half of the box. Only axes that are not periodic count.
+/// [m²/s²] square of the speed after a fall from rest through half of the box. Only the components of gravity along
+/// axes that are not periodic count.
 fn fall(scene: &Scene) -> f64 {
     let axes = (0..3).filter(|axis| !scene.domain.periodic[*axis]);
     axes.map(|axis| scene.gravity[axis].abs() * scene.domain.size[axis]).sum()

@@ -37,8 +37,8 @@ impl Effect {
     }
 }
 
-/// Lists all physical effects that are considered, with their sizes in the scene. Each size has its own threshold, or
-/// is compared with the relative error that `plan` allows. The list is empty without particles.
+/// Lists all physical effects that are considered, with their sizes in the scene. An effect has a threshold of its
+/// own, or its threshold is the relative error that `plan` allows. The list is empty without particles.
 pub fn effects(scene: &Scene, plan: &RunPrediction) -> Vec<Effect> {
     let particles = plan.particles + plan.coming.unwrap_or(0);
     if particles == 0 {
@@ -103,8 +103,8 @@ fn against_target(
     Effect { name, measure, number, threshold: plan.target_error, source: "the error asked for", modelled }
 }
 
-/// Effects of the gas on the particles and of the particles on the gas; empty without drag. `contact` [s] is the
-/// duration of the longest contact; `None` if no contact has a finite duration.
+/// Effects of the gas on the particles, and of the particles on the gas; the list is empty without drag. `contact` [s]
+/// is the duration of the longest contact; `None` if no contact has a finite duration.
 fn in_gas(scene: &Scene, plan: &RunPrediction, contact: Option<f64>) -> Vec<Effect> {
     let Some(response) = plan.flow.iter().map(|flow| flow.response_time).reduce(f64::min) else { return Vec::new() };
     let against_target = |name, measure, number, modelled| against_target(plan, name, measure, number, modelled);

@@ -1,5 +1,5 @@
-//! Largest energy growth that can be due to the error of the time steps of soft spheres, and the longest stable step. A
-//! window is the time between two exchanges with the gas.
+//! Checks of the time steps of soft spheres: the longest stable step, and the largest growth of energy that errors of
+//! the steps can cause. A window is the time between two exchanges with the gas.
 
 use super::contact::fastest_impact;
 use super::integrator::{Method, Scheme, realised_restitution, stability_limit};
@@ -62,9 +62,9 @@ fn schemes(experiment: &Experiment) -> Vec<Scheme> {
     }
 }
 
-/// Error for a time step `step` [s] beyond the stability limit of its scheme, with the contact that exceeds the limit
-/// most. `None` if the step is stable. Heun's method has no stable step for elastic contacts (e = 1); the error is then
-/// only a warning.
+/// Failure if the time step `step` [s] exceeds the stability limit of its scheme; it names the contact that exceeds
+/// the limit most. `None` if the step is stable. Heun's method has no stable step for elastic contacts (e = 1); the
+/// error is then only a warning.
 pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<Failure> {
     let (law, schemes, speed) = (experiment.law()?, schemes(experiment), fastest_impact(experiment));
     // stability limits require a search, so the result is stored for each restitution
@@ -88,14 +88,14 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
     unstable.then_some(Failure::StepTooLong { time: 0.0, wall, step, reduced, limit })
 }
 
-/// Largest product of frequency and time step `step` [s] over the tangential, rolling and twisting springs of two
-/// bodies, and the damping ratio of that spring; both [-]. `None` without such springs.
+/// Frequency times the time step `step` [s], and damping ratio, of the spring with the highest frequency among the
+/// tangential, rolling and twisting springs of two bodies; both [-]. `None` without such springs.
 fn sliders(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64) -> Option<(f64, f64)> {
     let springs = side_springs(experiment, law, bodies).into_iter();
     springs.map(|spring| (spring.frequency * step, spring.damping_ratio)).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Error for a contact law of the calling program that violates the contract (conditions on every contact law) for two
+/// Failure if a contact law of the calling program violates the contract (conditions on every contact law) for two
 /// bodies of the scene. `None` if the law fulfils the contract, or if it is a law of this program.
 pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Failure> {
     let law = experiment.law().filter(|law| matches!(law, ContactLaw::Other(_)))?;
@@ -142,8 +142,8 @@ pub struct Bound {
     pair: f64,
     /// [kg] half of the largest effective mass M of a particle at a wall.
     wall: f64,
-    /// [m/s] factor that multiplies the impulse of all contacts [kg m/s] to give the energy [J] that rounding of
-    /// coordinates may add. Coordinates are rounded once per step.
+    /// [m/s] energy [J] that rounding of coordinates may add, over the impulse of all contacts [kg m/s]. Coordinates
+    /// are rounded once per step.
     rounding: f64,
     /// [m] diameter of the smallest particles of the scene.
     smallest: f64,
@@ -151,7 +151,7 @@ pub struct Bound {
     start: f64,
     /// [J] elastic energy of all contacts at the start.
     elastic_at_start: f64,
-    /// Text for the error message, which names settings that shorten the time step.
+    /// Text for the error message. It names settings that shorten the time step.
     remedy: String,
 }
 
@@ -192,8 +192,8 @@ impl Bound {
         })
     }
 
-    /// Adds to this bound, read from a stored state, the data that are not stored. They come from `new`, the bound made
-    /// anew for the same experiment; with `None` nothing is added.
+    /// Adds to this bound, which was read from a stored state, the data that are not stored. They are taken from
+    /// `new`, the bound computed again for the same experiment. If `new` is `None`, nothing is added.
     pub fn completed(self, new: Option<Self>) -> Self {
         Self { gains: new.map_or(self.gains, |new| new.gains), ..self }
     }

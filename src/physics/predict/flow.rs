@@ -6,9 +6,9 @@ use crate::fluid::{ChannelFlow, Fluid, Profile, Section};
 use crate::scene::{Scene, Species};
 use serde::Serialize;
 
-/// [-] factor in the lifetime of eddies by Simonin's closure, T_L = 3/2 C_μ k/ε with C_μ = 0.09, as in the program MFIX
-/// (`Tau_1` in its drag_gs.f). Here k is the turbulent kinetic energy and ε its dissipation rate. Particles with a slip
-/// velocity leave eddies sooner. A variance computed with this factor is therefore an upper limit.
+/// [-] factor in the lifetime of eddies by Simonin's closure, T_L = 3/2 C_μ k/ε with C_μ = 0.09, as in the program
+/// MFIX (`Tau_1` in its drag_gs.f). Here k is the turbulent kinetic energy and ε its dissipation rate. Particles with
+/// a slip velocity leave eddies sooner, so a velocity variance computed with this factor is an upper limit.
 const EDDY_TIME: f64 = 1.5 * 0.09;
 
 /// Response of one species of particles to the gas.
@@ -33,7 +33,8 @@ pub struct Flow {
     /// [-] mass of this species divided by the mass of the gas in the box.
     pub mass_loading: f64,
     /// [m²/s²] variance of a velocity component of the particles due to the turbulence of the gas. If the turbulence
-    /// does not act on the particles, it is the variance that it would cause. `None` without a turbulence model.
+    /// does not act on the particles in this case, the value is the variance that the turbulence would cause. `None`
+    /// without a turbulence model.
     pub turbulent_variance: Option<f64>,
 }
 
@@ -51,8 +52,9 @@ pub fn flows(scene: &Scene, counts: &[usize]) -> Vec<Flow> {
         .collect()
 }
 
-/// [m/s] component of the gas velocity against gravity, minus the largest terminal slip speed of any species. If the
-/// difference is positive, the gas lifts all particles. `None` without drag or gravity. The gas flows along z.
+/// [m/s] component of the mean gas velocity against gravity, minus the largest terminal slip speed of any species (the
+/// speed relative to the gas at which drag balances the weight). If the difference is positive, the gas lifts all
+/// particles. `None` without drag or gravity. The gas flows along z.
 pub fn lift(scene: &Scene, flows: &[Flow]) -> Option<f64> {
     scene.fluid.as_ref().filter(|_| !flows.is_empty() && scene.gravity.norm() > 0.0).map(|fluid| {
         let against = -scene.gravity.z / scene.gravity.norm() * bulk_velocity(fluid, scene.domain.size.y);

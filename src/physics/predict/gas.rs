@@ -19,8 +19,9 @@ pub const FREEZING: f64 = 0.494;
 pub struct Gas {
     /// [-] volume fraction of the particles in the whole box.
     pub volume_fraction: f64,
-    /// [-] contact value of the pair distribution: number density of other centres at contact with a particle, over the
-    /// mean number density. It is a mean over pairs, weighted by their collision rates.
+    /// [-] contact value of the pair distribution: number density of the centres of other particles that touch a
+    /// particle, over the mean number density. With several species it is a mean over all pairs of species, weighted
+    /// by their collision rates.
     pub contact_value: f64,
     /// [1/s] number of collisions between all particles per time.
     pub pair_rate: f64,
@@ -46,7 +47,7 @@ pub struct Component {
 
 impl Component {
     /// Makes the components of `count` particles of a species. `variance` [m²/s²] is the variance of their velocity
-    /// along one axis. If the sizes differ, there are at most sixteen components with about the same number of
+    /// along one axis. If the sizes differ, up to sixteen components are made, with about the same number of
     /// particles. The particles of each component have the median diameter of a sixteenth of the size distribution.
     pub fn of(species: &Species, count: usize, variance: f64) -> Vec<Self> {
         const PARTS: usize = 16;
@@ -60,7 +61,7 @@ impl Component {
     }
 }
 
-/// Measurements in a slice of the scene, which is the space between two planes parallel to a wall.
+/// Measurements in a slice of the scene. A slice is the space between two planes parallel to a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slice {
     /// [-] fraction of all particles whose centres are in the slice.
@@ -88,7 +89,7 @@ pub struct AgitationSpread {
 }
 
 impl AgitationSpread {
-    /// Returns the ratios to a uniform gas for agitation that is the same everywhere and in all directions; all are 1.
+    /// Makes the ratios for an agitation that is the same everywhere and in all directions; all ratios are 1.
     pub fn even() -> Self {
         Self { pair_rate: 1.0, wall_rate: 1.0, pairs: vec![[1.0, 1.0]], walls: vec![[1.0, 1.0]] }
     }
@@ -127,7 +128,7 @@ impl AgitationSpread {
     }
 }
 
-/// Divides the weights, the first number of each entry of a list, by their sum. Returns this sum.
+/// In a list of pairs [weight, number], divides the weights by their sum. Returns this sum.
 fn normalise(parts: &mut [[f64; 2]]) -> f64 {
     let sum: f64 = parts.iter().map(|[weight, _]| weight).sum();
     parts.iter_mut().for_each(|[weight, _]| *weight /= sum);
@@ -190,17 +191,17 @@ pub fn gas(scene: &Scene, components: &[Component], spread: &AgitationSpread) ->
     }
 }
 
-/// Volume available to the centres of spheres of one diameter.
+/// Part of the box that is available to the centres of spheres of one diameter.
 struct CentreVolume {
     /// [m³] volume of the box that is available to the centres of the spheres.
     volume: f64,
-    /// [m²] area of all flat walls perpendicular to an axis.
+    /// [m²] area of all flat walls that are perpendicular to an axis of the box.
     wall_area: f64,
 }
 
 impl CentreVolume {
     /// Computes the volume of the domain minus a layer, half a diameter thick, at each flat wall perpendicular to an
-    /// axis. Other walls are ignored.
+    /// axis of the box. Other walls are ignored.
     fn of(scene: &Scene, diameter: f64) -> Self {
         let mut size = scene.domain.size;
         let mut area = 0.0;
@@ -233,10 +234,10 @@ pub fn softness(law: &ContactLaw, species: &Species, temperature: f64) -> f64 {
     law.thermal_overlap(&spring, species.mass() * temperature) / species.diameter
 }
 
-/// [-] largest apparent decrease of the contact distance of soft spheres over this distance, among all pairs of species
-/// that have particles. It is [`softness`] for two spheres of one species. `temperatures` holds the granular
-/// temperature [m²/s²] of each species, `None` for a species without particles. The result is `None` if no species has
-/// particles.
+/// [-] largest apparent decrease of the contact distance of soft spheres over this distance, among all pairs of
+/// species that have particles. For two spheres of one species, the decrease is that of [`softness`]. `temperatures`
+/// holds the granular temperature [m²/s²] of each species, `None` for a species without particles. The result is
+/// `None` if no species has particles.
 pub fn softest(law: &ContactLaw, scene: &Scene, temperatures: &[Option<f64>]) -> Option<f64> {
     let present: Vec<(u16, f64)> = (0..).zip(temperatures).filter_map(|(species, t)| Some((species, (*t)?))).collect();
     let of_pair = |(one, t): (u16, f64), (other, u): (u16, f64)| {
@@ -249,9 +250,9 @@ pub fn softest(law: &ContactLaw, scene: &Scene, temperatures: &[Option<f64>]) ->
     pairs.map(|(one, other)| of_pair(one, other)).reduce(f64::max)
 }
 
-/// [-] factor by which the elastic constant of the law must increase so that the relative decrease of the cross-section
-/// is at most `error` [-]. The decrease is that of spheres of `species` at the granular temperature `temperature`
-/// [m²/s²].
+/// [-] factor by which the elastic constant of the law must increase so that the apparent cross-section of soft
+/// spheres is smaller than that of hard spheres by at most the fraction `error` [-]. The spheres belong to `species`
+/// and have the granular temperature `temperature` [m²/s²].
 pub fn stiffening_for(law: &ContactLaw, species: &Species, temperature: f64, error: f64) -> f64 {
     law.stiffening(2.0 * softness(law, species, temperature) / error)
 }

@@ -10,8 +10,8 @@ use crate::contact_law::{ContactLaw, Spring, damping_ratio};
 use crate::experiment::{Integrator, SoftStepping};
 use std::f64::consts::PI;
 
-/// Number of impacts over which results are averaged. The impacts differ in phase, which is the time from the step
-/// before the first touch to this touch.
+/// Number of impacts over which results are averaged. The impacts differ in phase, which is the time between the first
+/// touch and the time step before it.
 const PHASES: usize = 200;
 
 /// [-] time since the first touch, over the contact time, after which a contact counts as endless.
@@ -28,7 +28,7 @@ pub enum Method {
     FourthOrder,
 }
 
-/// Method of the time step, together with the way in which the beginning and the end of a contact are found.
+/// Method of the time step, and accuracy with which the beginning and the end of a contact are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scheme {
     /// Numerical method of one time step.
@@ -40,8 +40,9 @@ pub struct Scheme {
 }
 
 impl Scheme {
-    /// Returns the scheme that the soft engine uses with these settings. `Auto` is treated as local stepping (time
-    /// steps only for particles in contact), which it uses unless the scene is crowded.
+    /// Returns the scheme that the soft engine uses with these settings. The setting `Auto` is treated as local
+    /// stepping (time steps only for particles in contact), because `Auto` chooses local stepping unless the scene is
+    /// crowded.
     pub fn of(integrator: Integrator, stepping: SoftStepping) -> Self {
         let exact_instants = stepping != SoftStepping::Uniform;
         let method = match (integrator, exact_instants) {
@@ -57,13 +58,13 @@ impl Scheme {
 /// speeds [-].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Realised {
-    /// [-] mean of the restitution over the phases (times from a step to the first touch after it).
+    /// [-] mean of the restitution over all phases (times from a step to the first touch after it).
     pub mean: f64,
     /// [-] smallest restitution over all phases (times from a step to the first touch after it).
     pub least: f64,
     /// [-] largest restitution over all phases (times from a step to the first touch after it).
     pub largest: f64,
-    /// [-] mean square of the restitution over the phases (times from a step to the first touch after it). It
+    /// [-] mean square of the restitution over all phases (times from a step to the first touch after it). This mean
     /// determines the energy that a gas loses in collisions.
     pub mean_square: f64,
 }
@@ -75,7 +76,8 @@ pub fn reduced_step(restitution: f64, steps_per_contact: f64) -> f64 {
     PI / (steps_per_contact * (1.0 - ratio * ratio).sqrt())
 }
 
-/// State of one contact in the units of its law: x is the gap (negative for an overlap), v its time derivative.
+/// State of one contact, in units of its law: x is the gap (negative for an overlap), and v the time derivative of the
+/// gap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct GapState {
     x: f64,
@@ -86,8 +88,8 @@ struct GapState {
 struct GapForce<'a> {
     law: &'a ContactLaw,
     spring: Spring,
-    /// True: the force is zero while the gap is positive. False: the law also acts at a positive gap. Forces at a
-    /// positive gap are needed to compute the stability of a free oscillation, and for contacts whose end is found
+    /// If true, the force is zero while the gap is positive. If false, the law also acts at a positive gap. Forces at
+    /// a positive gap are needed to compute the stability of a free oscillation, and for contacts whose end is found
     /// within a step.
     one_sided: bool,
 }
@@ -209,9 +211,9 @@ pub fn realised_restitution(
     Some(realised)
 }
 
-/// [-] rebound speed over approach speed in uniform steps of `step` [s]. The approach is at `speed` [m/s]. At the last
-/// step before the touch, the gap is the fraction `before` of the distance covered in a step. `None` if the contact
-/// lasts longer than `longest` steps.
+/// [-] rebound speed over approach speed in uniform steps of `step` [s]. The spheres approach at `speed` [m/s]. At the
+/// last step before the touch, their gap is the fraction `before` of the distance that they cover in a step. `None` if
+/// the contact lasts longer than `longest` steps.
 fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f64, f64), longest: u64) -> Option<f64> {
     let mut state = GapState { x: before * (speed * step), v: -speed };
     for _ in 0..longest {
@@ -224,8 +226,8 @@ fn on_the_grid(force: &GapForce, speed: f64, method: Method, (step, before): (f6
 }
 
 /// [-] rebound speed over approach speed, if contacts begin and end at exact instants. The contact begins at the first
-/// touch, at `speed` [m/s], and ends when the overlap is zero again. `None` if it lasts longer than `longest` steps of
-/// `step` [s].
+/// touch, at `speed` [m/s], and ends when the overlap is zero again. `None` if the contact lasts longer than `longest`
+/// steps of `step` [s].
 fn with_exact_instants(force: &GapForce, speed: f64, method: Method, step: f64, longest: u64) -> Option<f64> {
     let mut state = GapState { x: 0.0, v: -speed };
     for _ in 0..longest {

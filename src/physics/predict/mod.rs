@@ -1,6 +1,6 @@
 //! Predictions that are made before a run.
 //!
-//! Predictions are closed forms and quadratures that use only the numbers of a scene. They need no run and write no
+//! Predictions are formulae and numerical integrals that use only the data of a scene. They need no run and write no
 //! file. The documentation of each prediction names its source and the effects that it neglects. A [`RunPrediction`]
 //! combines predictions with the measurements of a short calibration run, and a [`Recommendation`] is derived from it.
 
@@ -37,7 +37,8 @@ pub struct Agitation {
     pub source: String,
 }
 
-/// Short run of the case, with all its physics, in a smaller periodic box (calibration run), and its results.
+/// Calibration run: short run of the case, with all its physics, in a smaller periodic box. This type holds its
+/// settings and results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {
     /// Number of particles in the short run of the case.
@@ -71,17 +72,18 @@ pub struct PredictedCost {
     pub wall_seconds: Option<f64>,
     /// Number of windows (times between two exchanges with the gas) whose computing time was measured.
     pub windows_timed: u64,
-    /// [byte] predicted memory of the run: that of this process after the timed windows, without the copy of the
-    /// starting particles, plus that of the report. `None` if the operating system does not tell the memory in use.
+    /// [byte] predicted memory of the run: memory of this process after the timed windows, without the copy of the
+    /// initial particles, plus memory of the report. `None` if the operating system does not tell how much memory is
+    /// in use.
     pub memory: Option<f64>,
-    /// Reason why no run of the model is possible; `None` if it is possible.
+    /// Reason why no run of the model is possible; `None` if a run is possible.
     pub failure: Option<String>,
 }
 
 /// Box and duration of a run in which averages reach the desired error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Averaging {
-    /// [m] edges of the smallest box in which averages can reach the desired error. Only edges along periodic axes
+    /// [m] edges of the smallest box in which averages can reach the desired error. Only edges along periodic axes may
     /// differ from those of the case.
     pub size: [f64; 3],
     /// Number of particles in the box of the size `size`.
@@ -111,21 +113,21 @@ pub struct RunPrediction {
     pub contact_law: String,
     /// Integrator of the soft time steps for which contacts are predicted.
     pub integrator: String,
-    /// Predictions for each kind of contact under the contact law of the case. If the case has no contact law, they are
-    /// under the recommended law.
+    /// Predictions for each kind of contact under the contact law of the case. If the case has no contact law, the
+    /// recommended law is used.
     pub contacts: Vec<contact::ContactPrediction>,
     /// Limits on the time step of soft spheres, the shortest first. The first one determines the step.
     pub step_limits: Vec<contact::StepLimit>,
     /// Predictions of kinetic theory; `None` for scenes with few bodies.
     pub gas: Option<gas::Gas>,
-    /// [-] mean fraction of the time that a particle is in contact with other bodies, at least the fraction in which
-    /// particles rest on a floor. `None` if neither kinetic theory nor such a rest predicts it.
+    /// [-] mean fraction of the time in which a particle is in contact with other bodies. It is at least the fraction
+    /// in which particles rest on a floor. `None` if neither kinetic theory nor such a rest predicts the fraction.
     pub time_in_contact: Option<f64>,
     /// Number of particles in the largest island (group of particles that may meet within a window, the time between
     /// two exchanges with the gas). `None` if islands would grow without bound, or if the theory is not valid.
     pub largest_island: Option<usize>,
-    /// [-] apparent decrease of the diameter of soft spheres in collisions, divided by the diameter; `None` if it is 0
-    /// or kinetic theory is not valid.
+    /// [-] apparent decrease of the diameter of soft spheres in collisions, divided by the diameter; `None` if the
+    /// decrease is 0 or kinetic theory is not valid.
     pub softness: Option<f64>,
     /// Ratios of time scales in a sheared box, and the effect of softness on its stress; `None` without shear.
     pub shear: Option<shear::ShearPrediction>,
@@ -136,7 +138,7 @@ pub struct RunPrediction {
     pub static_overlap: Option<f64>,
     /// True if particles overlap each other or a wall at the start.
     pub starts_overlapping: bool,
-    /// True if the start has rows of particles whose gaps are less than twice the overlap of an impact.
+    /// True if particles lie in rows at the start, with gaps of less than twice the overlap of an impact.
     pub in_a_row: bool,
     /// Number of particles that lie on a wall or on other particles at the start.
     pub lying: usize,
@@ -148,14 +150,14 @@ pub struct RunPrediction {
     pub calibration: Option<Calibration>,
     /// Predicted computing time and memory of each model that can run the case.
     pub costs: Vec<PredictedCost>,
-    /// Box and duration of a run with the desired error; `None` if the scene has no steady state.
+    /// Box and duration with which averages reach the desired error; `None` if the scene has no steady state.
     pub averaging: Option<Averaging>,
     /// Predictions for a scene without a steady state, in place of averages; otherwise `None`.
     pub transient: Option<Transient>,
 }
 
 impl RunPrediction {
-    /// Obstacles to each model that are visible in the scene and the start. The command `check` reports them too.
+    /// Obstacles to each model that the scene and the initial state show. The command `check` also reports them.
     pub fn obstacles(&self) -> Obstacles {
         Obstacles {
             rest: self.rest.clone(),

@@ -1,5 +1,5 @@
-//! Obstacles to each model that are visible in the scene and in the start, before a run. The commands `plan` and
-//! `check` use them.
+//! Reasons why a model cannot be used for a case, as far as the scene and the initial state show them. The commands
+//! `plan` and `check` use them.
 
 use super::contact::{ContactKind, ImpactSpeeds, contacts};
 use super::flow::{flows, lift};
@@ -24,8 +24,8 @@ pub struct Obstacles {
 }
 
 impl Obstacles {
-    /// Finds the obstacles to hard spheres at the start of an experiment. Neighbours in a row count as touching if
-    /// their gap is less than twice the overlap of an impact under the contact law of the case.
+    /// Finds the properties of the initial state `start` that may exclude hard spheres. Neighbours in a row count as
+    /// touching if their gap is less than twice the overlap of an impact under the contact law of the case.
     pub fn of(experiment: &Experiment, start: &Particles) -> Self {
         let scene = &experiment.scene;
         let given = experiment.start.iter().flat_map(|population| match &population.amount {
@@ -108,8 +108,8 @@ pub fn against_soft(experiment: &Experiment) -> Vec<String> {
     list
 }
 
-/// Reasons as lines of text, each preceded by the name of the model that it excludes. `hard` and `soft` hold the
-/// reasons against hard spheres and soft spheres.
+/// Adds to each reason the name of the model that it excludes, and returns the lines of text. `hard` and `soft`
+/// contain the reasons against hard spheres and soft spheres.
 pub fn named(hard: &[String], soft: &[String]) -> Vec<String> {
     let of = |name: &str, list: &[String]| list.iter().map(|why| format!("{name}: {why}")).collect::<Vec<_>>();
     [of("hard spheres", hard), of("soft spheres", soft)].concat()

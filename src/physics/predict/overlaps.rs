@@ -24,15 +24,15 @@ pub struct Overlaps {
     /// [-] exponent p in the relation speed ∝ overlap^p for the largest overlap. It is (n+1)/2 for an elastic force ∝
     /// overlap^n.
     power: f64,
-    /// [-] overlap number κ_n = u_r/(ω_0 d) of the paper's Eq. 9, with the undamped angular frequency ω_0 of the
-    /// contact, the diameter d, and the mean relative speed u_r = s sqrt(2/π).
+    /// [-] overlap number κ_n = u_r/(ω_0 d) by Eq. 9 of the paper (`docs/paper.md`), with the undamped angular
+    /// frequency ω_0 of the contact, the diameter d, and the mean relative speed u_r = s sqrt(2/π).
     pub kappa: f64,
 }
 
 impl Overlaps {
     /// Computes the distribution of overlaps of one kind of contact under a contact law. An engine tests for contacts
-    /// every `time_step` [s]. `None` unless the speeds are those of a Maxwellian gas that is the same everywhere and in
-    /// all directions.
+    /// every `time_step` [s]. `None` unless the speeds are those of a Maxwellian gas with the same agitation
+    /// everywhere and in all directions.
     pub fn of(contact: &ContactKind, law: &ContactLaw, time_step: f64) -> Option<Self> {
         let ImpactSpeeds::Gas { variance, parts } = &contact.speeds else { return None };
         let even = parts.iter().all(|[_, s]| *s == 1.0);

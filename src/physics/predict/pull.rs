@@ -8,13 +8,13 @@ use nalgebra::Vector3;
 /// [-] components of gravity below this fraction of its magnitude count as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// True if gravity keeps the particles of some species moving for ever: it pulls them along walls, and these walls
-/// resist the motion.
+/// True if gravity keeps the particles of some species moving for ever: gravity pulls them along walls, and these
+/// walls resist the motion.
 ///
-/// Only the pull along periodic axes counts; in scenes with outlets, along all axes. On a floor the pull must be larger
-/// than what friction can hold: μ times the pressure for spheres that slide, and rolling friction for spheres that
-/// roll. Without a floor, as in a vertical channel, friction or the shape of a wall holds the particles back. Whether a
-/// layer of many particles holds itself on a shallow slope is not considered.
+/// Only the components of gravity along periodic axes count, or along all axes if the scene has outlets. On a floor,
+/// the pull must be larger than the force that friction can hold: μ times the pressure for spheres that slide, and
+/// rolling friction for spheres that roll. Without a floor, as in a vertical channel, friction or the shape of a wall
+/// holds the particles back. Whether a layer of many particles holds itself on a shallow slope is not considered.
 pub(super) fn is_pulled(scene: &Scene) -> bool {
     (0u16..).zip(&scene.species).any(|(index, species)| pulls(scene, index, species))
 }

@@ -32,8 +32,9 @@ const STEPS: [f64; 6] = [15.0, 20.0, 30.0, 50.0, 100.0, 200.0];
 const CROWDED: f64 = 0.06;
 
 /// [-] cost per particle of a search for particles that may touch in a window (time between two exchanges with the
-/// gas), over the cost of one time step of a particle. Local stepping searches at least once per window. A search costs
-/// about as much as 60 pair checks, like building the neighbour list (see `neighbours`).
+/// gas), over the cost of one time step per particle. Local stepping (time steps only for particles in contact)
+/// searches at least once per window. A search costs about as much as 60 pair checks, like building the neighbour list
+/// (see `neighbours`).
 const SEARCH: f64 = 60.0;
 
 /// [-] largest fraction of particles that lie on others or on a wall at the start for which hybrid spheres are
@@ -88,9 +89,9 @@ pub struct Recommendation {
     /// Contact law for soft spheres, which are recommended or serve as a comparison with hard spheres. `None` if no
     /// stiffness can be recommended.
     pub law: Option<ContactLaw>,
-    /// [-] number of time steps per contact, N_c.
+    /// [-] recommended number of time steps per contact, N_c.
     pub steps_per_contact: f64,
-    /// [s] time step: shortest contact time over N_c; `None` without a contact law.
+    /// [s] recommended time step: shortest contact time over N_c; `None` without a contact law.
     pub time_step: Option<f64>,
     /// [s] window h: time between two exchanges of momentum with the gas.
     pub window: f64,
@@ -181,7 +182,7 @@ pub fn recommend(
 }
 
 /// Chooses the engine, and returns it with the reason for the choice; `None` if no engine is suitable. `against`
-/// contains the reasons against hard spheres, and those against soft spheres.
+/// contains the reasons against hard spheres, and then those against soft spheres.
 fn engine(
     plan: &RunPrediction,
     contacts: &[ContactKind],
@@ -241,8 +242,8 @@ fn why_hard(plan: &RunPrediction) -> String {
     }
 }
 
-/// Reasons against hard spheres for the experiment. If the start has no obstacle, but the short calibration run has
-/// failed, its failure is the reason.
+/// Reasons against hard spheres for the experiment. If the initial state gives no reason, but the short calibration
+/// run has failed, the failure of that run is the reason.
 fn against_hard(experiment: &Experiment, plan: &RunPrediction) -> Vec<String> {
     let mut list = plan.obstacles().against_hard(experiment);
     if list.is_empty()
@@ -296,9 +297,10 @@ pub fn softest(
     Some((law.stiffened(factor), why))
 }
 
-/// Number of steps per contact N_c at which the errors of the time steps in collisions change the energy of a particle
-/// by less than the desired relative error. The changes are summed over the collisions within half a response time of
-/// drag, or over the whole run if the run is shorter. The reason for the choice is added to `reasons`.
+/// Smallest number of steps per contact N_c, out of [`STEPS`], with which errors of the time steps change the energy
+/// of a particle by less than the desired relative error. The change is summed over the collisions of the particle
+/// within half a response time of drag, or within the whole run if that is shorter. If all numbers are too small, the
+/// largest is returned. The reason for the choice is added to `reasons`.
 fn steps(
     plan: &RunPrediction,
     contacts: &[ContactKind],
@@ -334,8 +336,8 @@ fn steps(
 }
 
 /// Smallest number of steps per contact N_c with which half a period of the fastest tangential, rolling or twisting
-/// spring has `steps` time steps. It is at least `steps`, and equal to `steps` without a law. If it is larger, the
-/// reason is added to `reasons`.
+/// spring has `steps` time steps. The result is at least `steps`, and equal to `steps` without a law. If it is larger
+/// than `steps`, the reason is added to `reasons`.
 fn for_springs(
     experiment: &Experiment,
     contacts: &[ContactKind],

@@ -15,11 +15,11 @@ pub(super) const ALL_PAIRS: usize = 2000;
 /// Floor on which particles gather under gravity, with the time until they are at rest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rest {
-    /// [m/s²] component normal to the floor, towards it, of the acceleration by weight and buoyancy; the largest one of
-    /// all species.
+    /// [m/s²] acceleration of particles by weight and buoyancy towards the floor, perpendicular to it; the largest
+    /// value of all species.
     pub gravity: f64,
-    /// [m] longest fall of a particle from the start or from an inlet: down to the floor, or to the particles that lie
-    /// on the floor.
+    /// [m] longest distance that a particle falls, from the start or from an inlet, to the floor or to the particles
+    /// that lie on the floor.
     pub height: f64,
     /// [m/s] largest speed with which a particle can reach the floor.
     pub speed: f64,
@@ -28,8 +28,8 @@ pub struct Rest {
     /// [s] time from the start to the end of all bounces; infinite if no impact loses energy. If the run starts without
     /// particles, it is the time for the first particles that come in.
     pub time: f64,
-    /// [-] largest restitution below 1 of all contacts that may occur, at the impact speed `speed`; 0 if no impact
-    /// loses energy.
+    /// [-] largest restitution below 1 of all contacts that may occur, at the impact speed `speed`; 0 if all contacts
+    /// have restitution 1, so that no impact loses energy.
     pub restitution: f64,
     /// [N] force between the floor and one particle at rest, if the weight of all particles is divided equally among
     /// the particles on the floor.
@@ -61,15 +61,16 @@ struct Falling {
     start: f64,
 }
 
-/// Finds the floor of a scene: the flat wall against which weight and buoyancy press a species most strongly. `None` if
-/// there is no such wall, if no particle falls to it, if the gas lifts the particles, if a wall moves or is thermal, or
-/// with a thermostat. `lift` [m/s] is the component of the gas velocity against gravity, minus the terminal slip speed,
-/// at which drag balances the weight.
+/// Finds the floor of a scene: the flat wall against which weight and buoyancy press a species most strongly. `None`
+/// if there is no such wall, if no particle falls to it, if the gas lifts the particles, if a wall moves or is
+/// thermal, or with a thermostat. `lift` [m/s] is the component of the gas velocity against gravity, minus the
+/// terminal slip speed (the speed relative to the gas at which drag balances the weight).
 ///
 /// The time until rest is that of a sphere dropped from the height h. Without drag, its fall and all bounces together
 /// last (1+e)/(1-e) sqrt(2h/g) with the restitution e (a geometric series). If e depends on the speed, the bounces are
 /// added one by one. Drag makes the fall longer, and limits its speed to that of settling. Two effects are neglected:
-/// drag also shortens the bounces, and neighbours slow down a fall. A bed of N spheres needs less time than one sphere.
+/// drag also shortens the bounces, and neighbours slow down a fall. A bed of N spheres needs less time than one
+/// sphere.
 pub fn rest(experiment: &Experiment, particles: &Particles, lift: Option<f64>) -> Option<Rest> {
     let scene = &experiment.scene;
     // walls that move or are thermal, and a thermostat, may throw the particles up again
@@ -112,7 +113,7 @@ pub fn rest(experiment: &Experiment, particles: &Particles, lift: Option<f64>) -
 }
 
 /// Motion of the particles of `species` towards a floor with the unit normal `up`. `None` if gravity does not press
-/// them onto the floor, or if the gas carries them away from it.
+/// the particles onto the floor, or if the gas carries them away from the floor.
 fn sinking(scene: &Scene, species: &Species, up: &Vector3<f64>) -> Option<Sinking> {
     let weight = scene.gravity_of(species);
     let gravity = -weight.dot(up);
@@ -131,8 +132,8 @@ fn sinking(scene: &Scene, species: &Species, up: &Vector3<f64>) -> Option<Sinkin
     (settling[0] > 0.0).then_some(Sinking { gravity, settling })
 }
 
-/// Particles of the start that fall to the floor `plane`, for each species. `sinking` is the motion of each species
-/// towards the floor.
+/// For each species, the fall of its initial particles to the floor `plane`; species without particles that fall are
+/// left out. `sinking` is the motion of each species towards the floor.
 fn falling_from_start(
     scene: &Scene,
     particles: &Particles,
@@ -203,7 +204,7 @@ impl Sinking {
 }
 
 /// [s] times from the start of the run to the end of the fall of a group of particles, and to the end of their bounces
-/// on the surfaces `surfaces`. The second one is infinite if no impact loses energy.
+/// on the surfaces `surfaces`. The second time is infinite if no impact loses energy.
 fn times(group: &Falling, sinking: Sinking, surfaces: &[Surface]) -> [f64; 2] {
     let (speed, flight) = (group.speed, group.speed / sinking.gravity);
     let fall = group.start + flight.max(sinking.time(group.height));
@@ -215,8 +216,8 @@ fn times(group: &Falling, sinking: Sinking, surfaces: &[Surface]) -> [f64; 2] {
     [fall, fall + (longest.unwrap_or(f64::INFINITY) - 1.0) * flight]
 }
 
-/// [N] weight of all particles that sink to the floor `plane`, over the number of particles on the floor. Particles
-/// that inlets are expected to bring are included.
+/// [N] weight of all particles that sink to the floor `plane`, divided by the number of particles on the floor.
+/// Particles that inlets are expected to bring are included.
 fn weight_on_floor(experiment: &Experiment, particles: &Particles, plane: &Plane, sinking: &[Option<Sinking>]) -> f64 {
     let scene = &experiment.scene;
     let gravity = |species: usize| sinking[species].map_or(0.0, |sinking| sinking.gravity);
@@ -235,9 +236,9 @@ fn weight_on_floor(experiment: &Experiment, particles: &Particles, plane: &Plane
 }
 
 /// [-] duration of the first fall and all bounces of a sphere, over the time of this fall. The sphere first meets the
-/// surface at `speed` [m/s]. The ratio is (1+e)/(1-e) for a constant restitution e. Otherwise it is 1 + 2 Σ u_k/u_0,
-/// with the speed u_0 of the first impact and the speeds u_k of the rebounds. The sum ends at slow rebounds. The ratio
-/// is infinite if rebounds never become slow, because slow impacts are elastic.
+/// surface at `speed` [m/s]. The ratio is (1+e)/(1-e) for a constant restitution e. For a restitution that depends on
+/// the speed, it is 1 + 2 Σ u_k/u_0, with the speed u_0 of the first impact and the speeds u_k of the rebounds. The
+/// sum ends at slow rebounds. The ratio is infinite if rebounds never become slow, because slow impacts are elastic.
 fn falls(surface: &Surface, speed: f64) -> f64 {
     /// [-] speed of a rebound over the speed of the first impact, below which bounces are neglected.
     const SLOW: f64 = 1e-6;
@@ -257,9 +258,9 @@ fn falls(surface: &Surface, speed: f64) -> f64 {
     f64::INFINITY
 }
 
-/// [m] part of the height of a sphere above the floor that is occupied by spheres between it and the floor: the sum of
-/// their diameters. `x` [m] is the centre and `radius` [m] the radius of the sphere, and `up` the unit normal of the
-/// floor. The result is 0 for scenes with many particles.
+/// [m] sum of the diameters of the spheres between a sphere and the floor. A sphere cannot fall through this part of
+/// its height. `x` [m] is the centre and `radius` [m] the radius of the sphere, and `up` the unit normal of the floor.
+/// The result is 0 for scenes with many particles.
 fn stacked(scene: &Scene, particles: &Particles, up: &Vector3<f64>, x: &Vector3<f64>, radius: f64) -> f64 {
     if particles.len() > ALL_PAIRS {
         return 0.0;

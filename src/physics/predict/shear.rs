@@ -18,7 +18,7 @@ use serde::Serialize;
 const STRESS_CHANGE: f64 = 0.4;
 
 /// [-] largest share of the time in contact for which the difference of the stress is taken as proportional to this
-/// share. It is the largest share in the measurements of [`STRESS_CHANGE`] at a volume fraction of 0.3.
+/// share. This was the largest share in the measurements of [`STRESS_CHANGE`] at a volume fraction of 0.3.
 const LONGEST: f64 = 0.5;
 
 /// Predictions for soft spheres in a sheared box: ratios of time scales, and the difference of the shear stress from
@@ -34,16 +34,16 @@ pub struct ShearPrediction {
     /// steady shear of hard spheres this ratio is a function of volume fraction and restitution alone.
     pub dissipation_over_shear: f64,
     /// [-] largest expected relative difference of the shear stress from that of hard spheres; `None` if contacts last
-    /// so long that the difference is not proportional to their duration.
+    /// so long that the difference is no longer proportional to their duration.
     pub largest_stress_change: Option<f64>,
-    /// Smallest parameter of the contact law with which the shear stress is that of hard spheres within the relative
-    /// error that the plan allows, with its unit.
+    /// Smallest parameter of the contact law with which the shear stress differs from that of hard spheres by no more
+    /// than the error that the plan allows. The text contains the value and its unit.
     pub hard_from: String,
 }
 
-/// [-] factor by which the elastic constant of `law` must increase so that the shear stress of the box is that of hard
-/// spheres within the relative error `error` [-]. `in_contact` [-] is the share of the time in which a particle is in
-/// contact.
+/// [-] factor by which the elastic constant of `law` must increase so that the shear stress differs from that of hard
+/// spheres by no more than the relative error `error` [-]. `in_contact` [-] is the share of the time in which a
+/// particle is in contact.
 pub fn stiffening_in_shear(law: &ContactLaw, in_contact: f64, error: f64) -> f64 {
     law.stiffening(STRESS_CHANGE * in_contact / error)
 }

@@ -19,8 +19,8 @@ pub struct SideSpring {
 }
 
 impl SideSpring {
-    /// [s] half the period of the damped spring, in which it is stretched and returns. For an overdamped spring it is
-    /// half the period without damping.
+    /// [s] half the period of the damped spring; during this time the spring is stretched and returns. For an
+    /// overdamped spring, half the period without damping is returned.
     pub fn half_period(&self) -> f64 {
         let swing = (1.0 - self.damping_ratio * self.damping_ratio).max(0.0).sqrt();
         PI / (self.frequency * if swing > 0.0 { swing } else { 1.0 })
@@ -54,8 +54,8 @@ pub fn side_springs(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies) 
     springs.filter(|(_, spring)| spring.stiffness > 0.0).map(of).collect()
 }
 
-/// Limits on the time step due to tangential, rolling and twisting springs. With the longest allowed step, half a
-/// period of the spring has `steps` steps, the number of steps per contact N_c.
+/// Limits on the time step due to tangential, rolling and twisting springs. At the longest allowed step, half a period
+/// of the spring contains `steps` time steps. `steps` is the number of steps per contact N_c of the case.
 pub fn spring_limits(
     experiment: &Experiment,
     law: &ContactLaw,

@@ -1,4 +1,4 @@
-//! Particles that overlap, lie on something, or touch more than one neighbour at the start.
+//! Tests of the initial state: particles that overlap, lie on something, or nearly touch more than one neighbour.
 
 use super::rest::ALL_PAIRS;
 use crate::encounter::{FrameTime, Other};
@@ -28,9 +28,9 @@ pub fn overlapping(scene: &Scene, particles: &Particles) -> bool {
 }
 
 /// Number of particles that lie on a wall or on another particle. The gap below such a particle is less than a
-/// thousandth of its diameter. Neither body may be faster than after a fall through this gap. `given` contains, for
-/// each id, true if the case gives the position. Particles at random positions are not counted, because they may be
-/// this close by chance.
+/// thousandth of its diameter. Neither of the two bodies may be faster than after a fall through this gap. `given`
+/// contains, for each id, true if the case gives the position. Particles at random positions are not counted, because
+/// they may be this close by chance.
 pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
     /// [-] largest gap below a particle that counts as lying, over its diameter. Overlaps of glass beads of 1 mm at 10
     /// kN/m are 1e-6 of a diameter under their weight, and 1e-3 under a thousand layers.
@@ -62,9 +62,9 @@ pub fn lying(scene: &Scene, particles: &Particles, given: &[bool]) -> usize {
 }
 
 /// True if some particle at the start has two neighbours (or a neighbour and a wall) so close that an impact has
-/// contacts with both at the same time. `overlap` [m] is the overlap of such an impact. Hard spheres would transmit the
-/// impulse in successive collisions. The test is for starts with given positions, since particles at random positions
-/// are farther apart. More than 2000 particles are not tested, and the result is then false.
+/// contacts with both at the same time. `overlap` [m] is the overlap of such an impact. Hard spheres would transmit
+/// the impulse in several successive collisions instead. The test is for starts with given positions, since particles
+/// at random positions are farther apart. More than 2000 particles are not tested, and the result is then false.
 pub fn in_a_row(scene: &Scene, particles: &Particles, overlap: f64) -> bool {
     let count = particles.len();
     if count > ALL_PAIRS {

@@ -10,7 +10,8 @@ use crate::walls::Wall;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// [-] fractions of the initial energy of agitation. For each one, the time at which it is lost is predicted.
+/// [-] fractions of the initial energy of agitation (random motion). For each fraction, the time at which it is lost
+/// is predicted.
 const SHARES: [f64; 3] = [0.5, 0.9, 0.99];
 
 /// Predictions for a scene in which nothing keeps the particles moving. In such a scene a time average has no meaning,
@@ -24,10 +25,10 @@ pub struct Transient {
     /// [s] upper limit of the time until all particles lie on the floor; `None` without a floor, or without energy
     /// losses on it.
     pub at_rest: Option<f64>,
-    /// [-] relative standard deviation of the granular temperature at one instant between single runs, due to random
-    /// starts.
+    /// [-] relative standard deviation of the granular temperature at one instant, between runs with different random
+    /// initial states.
     pub scatter: f64,
-    /// Number of runs with different seeds that are needed so that their mean has the desired error at every instant.
+    /// Number of runs with different seeds whose mean has the desired error at every instant.
     pub replicas: u64,
 }
 
@@ -117,7 +118,8 @@ pub fn transient(
     let kinds = experiment.start.iter().filter(|population| population.amount.count() > 0).count();
     let falls = scene.gravity.norm() > 0.0;
     let drag = scene.fluid.as_ref().and_then(|fluid| fluid.drag.as_ref());
-    // a sheared gas keeps the particles moving; so does a fall of species with different speeds, which only drag limits
+    // a gas with a velocity gradient keeps the particles moving, and so does a fall through a gas, if species or sizes
+    // fall at different speeds
     let driven = is_stirred(experiment)
         || drag.is_some()
             && (!scene.fluid.as_ref().is_some_and(|fluid| matches!(fluid.profile, Profile::Uniform(_)))
@@ -174,8 +176,8 @@ pub fn transient(
     })
 }
 
-/// [s] shortest response time of drag over all species, at the slip speed of the velocity fluctuations at the start.
-/// `None` without drag.
+/// [s] shortest response time of drag over all species, at the slip speed (relative to the gas) that corresponds to
+/// the velocity fluctuations at the start. `None` without drag.
 fn response(experiment: &Experiment) -> Option<f64> {
     let fluid = experiment.scene.fluid.as_ref()?;
     let law = fluid.drag.as_ref()?.law();
