@@ -33,8 +33,9 @@ const SEEN: f64 = 4.0;
 
 /// [-] width of the zone from which a process borrows (copies) particles of other processes in the first part (piece
 /// of a window) of a run. It is given in the same unit as [`SEEN`]. The value is large, because in this first part the
-/// width that islands need is not yet known. A gas of 10⁶ particles in a channel (case D of docs/paper.md) needs the
-/// width 8. With too small a width the part is repeated, which costs as much as a whole window.
+/// width that islands (groups of particles that may meet) need is not yet known. A gas of 10⁶ particles in a channel
+/// (case D of docs/paper.md) needs the width 8. With too small a width the part is repeated, which costs as much as a
+/// whole window.
 const SEEN_AT_FIRST: f64 = 10.0;
 
 /// Number of particles per process below which processes do not share uniform steps, because most stored particles

@@ -17,8 +17,8 @@ use std::sync::Arc;
 impl<S: DistributedSolver> Driver<S> {
     /// Returns, in all processes, two values of the lead process: the cost [ns/s] of the classical algorithm (all
     /// particles at once, per particle and simulated time), and the summary of the speeds of the particles. The cost
-    /// is `None` if islands are not to be tried. The arguments are the values of this process. If the solver limits
-    /// the cost of an island, it also adopts the limit of the lead process.
+    /// is `None` if islands (groups of particles that may meet) are not to be tried. The arguments are the values of
+    /// this process. If the solver limits the cost of an island, it also adopts the limit of the lead process.
     pub(in crate::engine) fn of_lead(
         &mut self,
         fallback_cost: Option<f64>,

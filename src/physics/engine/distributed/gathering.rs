@@ -100,8 +100,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 
     /// Restores the own particles of the lead process, their contacts in progress and the list `members` of members of
-    /// islands, after [`gather`](Self::gather) has replaced them by copies. Returns false, and changes nothing, if
-    /// `gather` was not called before.
+    /// islands (groups of particles that may meet), after [`gather`](Self::gather) has replaced them by copies.
+    /// Returns false, and changes nothing, if `gather` was not called before.
     pub fn scatter(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
         let Some(part) = self.gathered.take() else { return false };
         (*particles, *lasting, self.abroad, *members) = (part.particles, part.lasting, part.abroad, part.members);

@@ -23,9 +23,9 @@ pub struct HotParticleDigest {
     turns: Option<Vec<VelocityChange>>,
 }
 
-/// Calls `tell` with the result for each chosen member of an island, and with the middle [m] of the member's flight. A
-/// member is chosen if `chosen` returns true for its index in the store, and `near` returns true for the middle of its
-/// flight.
+/// Calls `tell` with the result for each chosen member of an island (group of particles that may meet), and with the
+/// middle [m] of the member's flight. A member is chosen if `chosen` returns true for its index in the store, and
+/// `near` returns true for the middle of its flight.
 pub fn tell<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,
@@ -44,10 +44,10 @@ pub fn tell<'a>(
     }
 }
 
-/// True if other processes have the same results for the islands of this process. These are the islands with a
-/// particle for whose index `chosen` returns true. The checksums of these islands must be equal, and no other particle
-/// in the messages may meet one of them. `told` contains the messages, each with the index of its particle in this
-/// process.
+/// True if other processes have the same results for the islands (groups of particles that may meet) of this process.
+/// These are the islands with a particle for whose index `chosen` returns true. The checksums of these islands must be
+/// equal, and no other particle in the messages may meet one of them. `told` contains the messages, each with the
+/// index of its particle in this process.
 pub fn agree_with<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,
@@ -83,9 +83,9 @@ pub fn agree_with<'a>(
 }
 
 /// Members that may meet a particle in the messages `told`, but are not in the cells of the search, because they were
-/// added later. Only islands with a particle of this process are searched, for which `own` is true. Members too deep
-/// inside the region to meet such a particle are left out. No member, and no ball in the messages, reaches farther
-/// than `widest` [m] from its middle.
+/// added later. Only islands (groups of particles that may meet) with a particle of this process are searched, for
+/// which `own` is true. Members too deep inside the region to meet such a particle are left out. No member, and no
+/// ball in the messages, reaches farther than `widest` [m] from its middle.
 fn late_near<'i, 'a: 'i>(
     islands: &'i impl IslandFinder<'a>,
     own: &[bool],
@@ -101,8 +101,8 @@ fn late_near<'i, 'a: 'i>(
     islands.late().iter().filter(|member| own[member.cluster as usize]).filter(is_near).collect()
 }
 
-/// Checksum of the ids of the particles in an island and of the bounds on their motion. Two processes with equal
-/// checksums solve the same island.
+/// Checksum of the ids of the particles in an island (group of particles that may meet) and of the bounds on their
+/// motion. Two processes with equal checksums solve the same island.
 fn mark(islands: &Clusters, which: usize) -> u64 {
     let cluster = &islands.list[which];
     let id = |index: u32| u64::from(islands.particles.id[index as usize]);

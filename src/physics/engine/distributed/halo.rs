@@ -15,8 +15,8 @@ use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 
-/// Solver of islands of soft spheres; this module uses its functions that read and change the indices of the particles
-/// of a contact.
+/// Solver of islands (groups of particles that may meet) of soft spheres; this module uses its functions that read and
+/// change the indices of the particles of a contact.
 type Solving = SoftIslands;
 
 /// Own particles of a process and its ghosts (copies of particles of other processes), while processes share uniform

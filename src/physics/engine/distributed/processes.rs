@@ -110,7 +110,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Replaces the increase of each count since `before` by the sum of the increases in all processes. Replaces the
-    /// size of the largest island by the largest in any process.
+    /// size of the largest island (group of particles that may meet) by the largest in any process.
     pub fn share_counts(&self, counters: &mut IslandCounters, before: &IslandCounters) {
         let Some(domains) = self.cut_domains() else { return };
         let mut past = *before;
@@ -147,7 +147,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Moves all particles from all processes to the lead process. `members` lists the particles that were in islands
-    /// in the last part (interval of time) of a window; the function adapts their indices.
+    /// (groups of particles that may meet) in the last part (interval of time) of a window; the function adapts their
+    /// indices.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| domains.is_cut) {
             domains.assemble(solver, work, members);
@@ -213,8 +214,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Removes the copies of particles of other processes, and the contacts of such copies, after a part (piece of the
-    /// time between two exchanges with the gas) with valid results. `members` lists the members of islands; the
-    /// function adapts their indices and deletes the removed copies from the list.
+    /// time between two exchanges with the gas) with valid results. `members` lists the members of islands (groups of
+    /// particles that may meet); the function adapts their indices and deletes the removed copies from the list.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

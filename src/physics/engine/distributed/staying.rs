@@ -50,8 +50,8 @@ impl<C: Copy> Domains<C> {
     }
 
     /// Removes the copies of particles of other processes, and the contacts of such copies, after a part (piece of the
-    /// time between two exchanges with the gas) with valid results. `members` lists the members of islands; the
-    /// function adapts their indices and deletes the removed copies from the list.
+    /// time between two exchanges with the gas) with valid results. `members` lists the members of islands (groups of
+    /// particles that may meet); the function adapts their indices and deletes the removed copies from the list.
     pub fn keep<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

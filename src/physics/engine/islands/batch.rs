@@ -26,8 +26,8 @@ pub struct HotParticle {
     pub motion: Motion,
 }
 
-/// A particle because of which an island must be solved again. It is a member that exceeded its speed limit, or a
-/// bystander (a particle that was expected to fly straight) that a member touched.
+/// A particle because of which an island (group of particles that may meet) must be solved again. It is a member that
+/// exceeded its speed limit, or a bystander (a particle that was expected to fly straight) that a member touched.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop {
     /// Index of the particle in the particle store.
@@ -44,8 +44,8 @@ pub enum GivenUp {
     /// The engine failed. The classical algorithm then moves all particles at once, and stops at the time of the
     /// failure.
     Failed,
-    /// The island costs too much. It becomes a crowd, an island that is moved by uniform steps. If the engine does not
-    /// take crowds, the classical algorithm moves all particles at once.
+    /// The island (group of particles that may meet) costs too much. It becomes a crowd, an island that is moved by
+    /// uniform steps. If the engine does not take crowds, the classical algorithm moves all particles at once.
     TooExpensive,
 }
 
@@ -60,27 +60,28 @@ impl From<Failure> for GivenUp {
 pub struct IslandResult {
     /// Number of the batch (islands that one thread has solved) that contains the result.
     pub batch: usize,
-    /// Number of the island among those of its batch.
+    /// Number of the island (group of particles that may meet) among those of its batch.
     pub number: usize,
-    /// True if this process counts the impacts and the work of the island; false if another process that shares the run
-    /// does.
+    /// True if this process counts the impacts and the work of the island (group of particles that may meet); false if
+    /// another process that shares the run does.
     pub counts: bool,
 }
 
 /// Change of an island (group of particles that may meet) before it is solved again in the same part of the window.
 pub enum Retry {
-    /// Particles for which the result is wrong: bystanders that were hit become members of the island, and members that
-    /// were too fast get a higher speed limit.
+    /// Particles for which the result is wrong: bystanders that were hit become members of the island (group of
+    /// particles that may meet), and members that were too fast get a higher speed limit.
     Stops(Vec<Stop>),
     /// The island is too expensive: it becomes a crowd, an island that is moved by uniform steps.
     Crowd,
 }
 
-/// Result of one solved island; the ranges refer to the lists of the `Batch` that contains this result.
+/// Result of one solved island (group of particles that may meet); the ranges refer to the lists of the `Batch` that
+/// contains this result.
 pub struct Solved {
     pub which: usize,
-    /// Particles because of which the island must be solved again; the result is valid if the list is empty. The error
-    /// is the reason why the island was given up.
+    /// Particles because of which the island (group of particles that may meet) must be solved again; the result is
+    /// valid if the list is empty. The error is the reason why the island was given up.
     pub stopped: Result<Vec<Stop>, GivenUp>,
     pub states: Range<usize>,
     pub carried: Range<usize>,
@@ -95,7 +96,7 @@ pub struct Solved {
     pub crowd_steps: u64,
     /// Number of contact forces computed in uniform steps, if the island is a crowd; otherwise 0.
     pub crowd_forces: u64,
-    /// Number of gaps and times of touch that were computed for the island.
+    /// Number of gaps and times of touch that were computed for the island (group of particles that may meet).
     pub pair_checks: u64,
     /// Number of contact forces that were computed in the island, those of uniform steps included.
     pub force_evaluations: u64,
@@ -117,8 +118,8 @@ pub struct Batch<C> {
 }
 
 impl<C> Batch<C> {
-    /// Makes an empty batch for the results of the islands with the numbers `which`. Its memory is reserved in advance,
-    /// because threads delay one another if lists grow during the work.
+    /// Makes an empty batch for the results of the islands with the numbers `which` (groups of particles that may
+    /// meet). Its memory is reserved in advance, because threads delay one another if lists grow during the work.
     pub fn of<'a, F: IslandFinder<'a>>(islands: &F, which: &[usize]) -> Self {
         let members: usize = which.iter().map(|&which| islands.members(which)).sum();
         Self {
@@ -134,9 +135,9 @@ impl<C> Batch<C> {
 /// Results of all islands (groups of particles that may meet) for a part, a piece of the time between two exchanges
 /// with the gas.
 pub struct IslandResults<'a, C> {
-    /// Places of the results of all islands in the list `batches`.
+    /// Places of the results of all islands (groups of particles that may meet) in the list `batches`.
     pub landing: &'a Landing,
-    /// Results of the islands; one thread has solved all islands of a batch.
+    /// Results of the islands (groups of particles that may meet); one thread has solved all islands of a batch.
     pub batches: &'a [Batch<C>],
     /// [m/s] velocity that gravity adds from the last exchange with the gas to the end of the part (interval of time).
     /// Velocities in the particle store do not contain it yet.
@@ -146,7 +147,7 @@ pub struct IslandResults<'a, C> {
 /// Results of several islands (groups of particles that may meet), apart from the new positions and velocities of their
 /// members: impacts, carried contacts and counts.
 pub struct Notes<C> {
-    /// Indices in the particle store of the members of the islands.
+    /// Indices in the particle store of the members of the islands (groups of particles that may meet).
     pub members: Vec<u32>,
     /// Contacts or recent collisions that are carried into the next part (interval of time); they contain indices of
     /// particles in the store.
@@ -155,13 +156,14 @@ pub struct Notes<C> {
     pub impacts: Vec<(Between, Impact)>,
     /// Energies and momenta (ledgers) of all these islands, condensed to a few rows that have the same exact sums.
     pub ledger: Vec<[f64; ENTRIES]>,
-    /// Counts of the work in these islands and of their members.
+    /// Counts of the work in these islands (groups of particles that may meet) and of their members.
     pub counts: IslandCounters,
 }
 
 impl<C: Copy + Send + Sync> IslandResults<'_, C> {
-    /// Collects the impacts, counts and carried contacts of all islands, in the order of the islands. Returns one
-    /// [`Notes`] for each group of islands that a thread treats as one piece of work.
+    /// Collects the impacts, counts and carried contacts of all islands (groups of particles that may meet), in the
+    /// order of the islands. Returns one [`Notes`] for each group of islands that a thread treats as one piece of
+    /// work.
     pub fn notes(&self) -> Vec<Notes<C>> {
         work_sharing::map(self.landing.kept.chunks(BLOCK), |some| self.notes_of(some))
     }
@@ -193,9 +195,9 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         notes
     }
 
-    /// Writes the results of the islands into the particle store. `fly` moves the position (first argument) of each
-    /// other particle on a straight line by its velocity (second argument). `labels` contains, by particle index, the
-    /// marks of the members of islands; the function removes them.
+    /// Writes the results of the islands (groups of particles that may meet) into the particle store. `fly` moves the
+    /// position (first argument) of each other particle on a straight line by its velocity (second argument). `labels`
+    /// contains, by particle index, the marks of the members of islands; the function removes them.
     pub fn put(
         &self,
         particles: &mut Particles,
@@ -239,9 +241,10 @@ impl<S: Solve> Default for Workbench<S> {
     }
 }
 
-/// Data that all islands have in common in a part, a piece of the time between two exchanges with the gas.
+/// Data that all islands (groups of particles that may meet) have in common in a part, a piece of the time between two
+/// exchanges with the gas.
 pub struct Task<'a, S: Solve> {
-    /// Solver of single islands, which the engine provides.
+    /// Solver of single islands (groups of particles that may meet), which the engine provides.
     pub solver: &'a S,
     pub scene: &'a Scene,
     pub window: Window,
@@ -250,14 +253,15 @@ pub struct Task<'a, S: Solve> {
     pub fallen: Vector3<f64>,
     /// [s] length of the part (interval of time).
     pub part: f64,
-    /// Contacts or recent collisions at the start of the part (interval of time), for all islands; they contain indices
-    /// of particles in the store.
+    /// Contacts or recent collisions at the start of the part (interval of time), for all islands (groups of particles
+    /// that may meet); they contain indices of particles in the store.
     pub carried: &'a [S::Carried],
 }
 
 impl<S: Solve> Workbench<S> {
-    /// Copies the island with the number `which` into this workbench, and returns it with the scratch memory of the
-    /// solver. `None` if a carried contact (or recent collision) of the island involves a particle outside the island.
+    /// Copies the island with the number `which` (group of particles that may meet) into this workbench, and returns
+    /// it with the scratch memory of the solver. `None` if a carried contact (or recent collision) of the island
+    /// involves a particle outside the island.
     pub fn fill(
         &mut self,
         task: &Task<S>,
@@ -270,9 +274,10 @@ impl<S: Solve> Workbench<S> {
         carried.all(|carried| take_in::<S>(island, carried)).then_some((island, scratch))
     }
 
-    /// Stores the result of the island with the number `which` in a batch. `stopped` is what the solver has returned:
-    /// `None` if the result is valid, or the index, within the island, of a particle that exceeded its speed limit or
-    /// was hit unexpectedly. An error is the reason why the island was given up.
+    /// Stores the result of the island with the number `which` (group of particles that may meet) in a batch.
+    /// `stopped` is what the solver has returned: `None` if the result is valid, or the index, within the island, of a
+    /// particle that exceeded its speed limit or was hit unexpectedly. An error is the reason why the island was given
+    /// up.
     pub fn record(
         &mut self,
         batch: &mut Batch<S::Carried>,

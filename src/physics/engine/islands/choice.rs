@@ -31,7 +31,8 @@ pub struct IslandCost {
     pub fallback_cost: f64,
 }
 
-/// A part, a piece of a window (time between two exchanges with the gas) for which islands are found and solved.
+/// A part, a piece of a window (time between two exchanges with the gas) for which islands (groups of particles that
+/// may meet) are found and solved.
 pub struct WindowPiece<'a> {
     /// [s] time from the start of the window to the start of the part (interval of time).
     pub elapsed: f64,
@@ -43,8 +44,8 @@ pub struct WindowPiece<'a> {
     pub population: &'a PopulationSummary,
     /// Speeds of all particles at the start of the part (interval of time).
     pub speeds: SpeedSummary,
-    /// Largest number of members that an island may have; if an island has more, a shorter part (interval of time) is
-    /// tried.
+    /// Largest number of members that an island (group of particles that may meet) may have; if an island has more, a
+    /// shorter part (interval of time) is tried.
     pub most: usize,
 }
 
@@ -70,9 +71,9 @@ pub struct PartLimits {
     pub costs: PartCosts,
 }
 
-/// Costs of finding and solving islands in ns on one core, and the density above which islands unite. They were
-/// measured once (docs/design/islands.md), and serve only for the choice of a method, not for a prediction of run
-/// times.
+/// Costs of finding and solving islands (groups of particles that may meet) in ns on one core, and the density above
+/// which islands unite. They were measured once (docs/design/islands.md), and serve only for the choice of a method,
+/// not for a prediction of run times.
 pub struct PartCosts {
     /// [ns] cost per particle of moving it straight and sorting it into cells.
     search: f64,
@@ -88,14 +89,14 @@ pub struct PartCosts {
     crowded: f64,
 }
 
-/// Costs of islands that are found by bounds on the flights of their members
+/// Costs of islands (groups of particles that may meet) that are found by bounds on the flights of their members
 /// ([`BoundedIslands`](super::BoundedIslands)). In a gas of particles in a channel (case D of docs/paper.md), islands
 /// have up to 20 particles for parts (intervals of time) of 0.5 ms, and up to 200 for parts of 0.7 ms.
 pub const BOUNDED: PartCosts = PartCosts { search: 90.0, pair: 1.2, island: 1400.0, reach: 1.5, crowded: 0.25 };
 
-/// Costs of islands that are found by the trajectories of their members ([`TracedIslands`](super::TracedIslands)). In
-/// scene S1 (docs/results/speed.md), a hot particle (member of an island) costs 1.1 µs for parts (intervals of time) of
-/// 0.375 ms, 1.2 µs for 0.5 ms, and 1.6 µs for 0.75 ms.
+/// Costs of islands (groups of particles that may meet) that are found by the trajectories of their members
+/// ([`TracedIslands`](super::TracedIslands)). In scene S1 (docs/results/speed.md), a hot particle (member of an
+/// island) costs 1.1 µs for parts (intervals of time) of 0.375 ms, 1.2 µs for 0.5 ms, and 1.6 µs for 0.75 ms.
 pub const TRACED: PartCosts = PartCosts { search: 80.0, pair: 1.2, island: 1000.0, reach: 0.5, crowded: 0.15 };
 
 /// [-] largest shear of a sheared box in one part (interval of time): relative displacement of two particles by the
@@ -117,8 +118,9 @@ pub struct Cheapest {
 }
 
 /// Chooses the length of the next part (a piece of the rest of the window) that has the lowest cost per simulated
-/// time. `None` if at every length islands cost more than the classical algorithm, which moves all particles at once,
-/// or nearly all islands would unite. Also `None` if the largest particle is as wide as half a period of the box.
+/// time. `None` if at every length islands (groups of particles that may meet) cost more than the classical algorithm,
+/// which moves all particles at once, or nearly all islands would unite. Also `None` if the largest particle is as
+/// wide as half a period of the box.
 ///
 /// In a longer part, one search for touching particles serves for more time, but it checks more pairs and finds more
 /// islands.

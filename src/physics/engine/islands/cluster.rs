@@ -32,18 +32,19 @@ use nalgebra::Vector3;
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// Number of islands, or of members, that a thread treats as one piece of work; fewer are not worth a second thread.
+/// Number of islands (groups of particles that may meet), or of members, that a thread treats as one piece of work;
+/// fewer are not worth a second thread.
 const BATCH: usize = 64;
 
-/// A hot particle: a particle that may touch something in this part, and so is a member of an island. A part is a piece
-/// of the time between two exchanges with the gas.
+/// A hot particle: a particle that may touch something in this part, and so is a member of an island (group of
+/// particles that may meet). A part is a piece of the time between two exchanges with the gas.
 pub struct Member {
     pub(in crate::engine) index: u32,
     pub(in crate::engine) cluster: u32,
     /// Ball that contains the particle in this part (interval of time) if the particle flies straight all the time.
     pub(in crate::engine) flight: BoundingSphere,
-    /// Ball that contains the particle from the first touch in its island to the end of the part (interval of time).
-    /// Before that touch the particle flies straight.
+    /// Ball that contains the particle from the first touch in its island (group of particles that may meet) to the
+    /// end of the part (interval of time). Before that touch the particle flies straight.
     pub(in crate::engine) ball: BoundingSphere,
     /// Radius [m] of a ball about the middle of the straight flight that contains both `flight` and `ball`.
     around: f64,
@@ -55,8 +56,8 @@ pub struct Member {
     turns: Option<Range<usize>>,
 }
 
-/// Short list of indices. Up to four indices are stored in the list itself, so that most islands need no memory on the
-/// heap.
+/// Short list of indices. Up to four indices are stored in the list itself, so that most islands (groups of particles
+/// that may meet) need no memory on the heap.
 pub type Few = SmallVec<[u32; 4]>;
 
 /// An island (group of particles that may meet) while it is being found: its members, and bounds on their speeds.
@@ -66,8 +67,8 @@ pub struct Cluster {
     /// Indices in the particle store of the bystanders, in the order of their ids. Bystanders are particles that fly
     /// straight unless a member hits them.
     pub(in crate::engine) bystanders: Few,
-    /// Numbers of the carried contacts (or recent collisions) that belong to the island. `update_reach` sorts them in
-    /// ascending order.
+    /// Numbers of the carried contacts (or recent collisions) that belong to the island (group of particles that may
+    /// meet). `update_reach` sorts them in ascending order.
     carried: Few,
     /// The two largest energies [J] of members, the largest first: kinetic energy of the motion relative to the mean
     /// velocity of all particles along the walls, and of rotation.
@@ -82,22 +83,22 @@ pub struct Cluster {
     /// Lower bound [m/s] of the speed limits of the members. It is 0 until a member exceeds its limit, and is then
     /// raised.
     pub(in crate::engine) floor: f64,
-    /// Time [s] of the first touch in the island since the start of the part (interval of time). Until then all members
-    /// fly straight.
+    /// Time [s] of the first touch in the island (group of particles that may meet) since the start of the part
+    /// (interval of time). Until then all members fly straight.
     pub(in crate::engine) first: f64,
-    /// True if the island is a crowd even if it is small: its particles are moved by uniform steps, since it contains
-    /// many contacts or was too expensive.
+    /// True if the island (group of particles that may meet) is a crowd even if it is small: its particles are moved
+    /// by uniform steps, since it contains many contacts or was too expensive.
     pub(in crate::engine) lasts: bool,
     pub(in crate::engine) alive: bool,
     /// Place of the island's result in the lists of results; `None` as long as there is no valid result.
     solved: Option<IslandResult>,
     /// Number of changes of the island so far. Data computed for an earlier version are outdated.
     version: u32,
-    /// Version of the island for which the distances that its members may reach were last computed; `None` if they
-    /// were never computed.
+    /// Version of the island (group of particles that may meet) for which the distances that its members may reach
+    /// were last computed; `None` if they were never computed.
     settled: Option<u32>,
-    /// Version of the island for which a search of its surroundings last found no other island that it may meet;
-    /// `None` if there was no such search.
+    /// Version of the island (group of particles that may meet) for which a search of its surroundings last found no
+    /// other island that it may meet; `None` if there was no such search.
     seen: Option<u32>,
 }
 
@@ -109,14 +110,15 @@ impl Cluster {
 
 /// Places of the results of all islands (groups of particles that may meet) in the lists of results.
 pub struct Landing {
-    /// Place of the result of each solved island, in the order of the islands.
+    /// Place of the result of each solved island (group of particles that may meet), in the order of the islands.
     pub kept: Vec<IslandResult>,
-    /// For each member, the number of its island in `kept`, and its number in that island; `None` if the island has no
-    /// result.
+    /// For each member, the number of its island (group of particles that may meet) in `kept`, and its number in that
+    /// island; `None` if the island has no result.
     pub of_member: Vec<Option<(u32, u32)>>,
 }
 
-/// Data with which islands are found in a part, a piece of the time between two exchanges with the gas.
+/// Data with which islands (groups of particles that may meet) are found in a part, a piece of the time between two
+/// exchanges with the gas.
 pub struct Space<'a> {
     /// Scene with walls, box and gravity at the start of the part (interval of time).
     pub scene: &'a Scene,
@@ -137,8 +139,8 @@ pub struct Clusters<'a> {
     part: f64,
     /// Mass [kg] of the lightest particle of the run.
     lightest: f64,
-    /// The islands by their numbers. An island that has been united with another one stays in the list, but is not
-    /// `alive`.
+    /// The islands (groups of particles that may meet) by their numbers. An island that has been united with another
+    /// one stays in the list, but is not `alive`.
     pub(in crate::engine) list: Vec<Cluster>,
     /// Energy [J] that each carried contact may give back to its particles.
     energy: Vec<f64>,
@@ -182,10 +184,10 @@ impl<'a> Clusters<'a> {
         self.frame + self.domain.mean_flow(&self.particles.position[index])
     }
 
-    /// Makes islands of all particles that touch on straight flights or have a carried contact. `carried` contains the
-    /// two particles of each contact (the second is `None`, for instance, at a wall). `energy` contains the energy [J]
-    /// that each contact may give back. If `many` is true, all contacts form one crowd, an island moved by uniform
-    /// steps.
+    /// Makes islands (groups of particles that may meet) of all particles that touch on straight flights or have a
+    /// carried contact. `carried` contains the two particles of each contact (the second is `None`, for instance, at a
+    /// wall). `energy` contains the energy [J] that each contact may give back. If `many` is true, all contacts form
+    /// one crowd, an island moved by uniform steps.
     fn begin(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>, many: bool) {
         self.energy = energy;
         let mut crowd: Option<usize> = None;
@@ -207,9 +209,10 @@ impl<'a> Clusters<'a> {
         self.settle_all();
     }
 
-    /// Unites the islands of two particles that touch at `time` [s] since the start of the part (interval of time). If
-    /// `j` is `None`, particle `i` touches a wall. Returns the number of the united island. A new island is made if
-    /// neither particle is in one. Energies and speeds of the particles are not read here, but later in parallel.
+    /// Unites the islands (groups of particles that may meet) of two particles that touch at `time` [s] since the
+    /// start of the part (interval of time). If `j` is `None`, particle `i` touches a wall. Returns the number of the
+    /// united island. A new island is made if neither particle is in one. Energies and speeds of the particles are not
+    /// read here, but later in parallel.
     fn join(&mut self, i: u32, j: Option<u32>, time: f64) -> usize {
         let known = self.found(i).or_else(|| self.found(j?));
         let mut which = known.unwrap_or_else(|| self.open());
@@ -224,8 +227,8 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Number of the island of the particle at `index`. If the particle is in no island, a new island of this
-    /// particle is made, with its energy and speed.
+    /// Number of the island (group of particles that may meet) of the particle at `index`. If the particle is in no
+    /// island, a new island of this particle is made, with its energy and speed.
     fn cluster_of(&mut self, index: u32) -> usize {
         let is_new = self.search.label[index as usize].is_none();
         let which = self.named(index);
@@ -237,8 +240,8 @@ impl<'a> Clusters<'a> {
         which
     }
 
-    /// Number of the island of the particle at `index`. If the particle is in no island, a new island of this
-    /// particle is made; its energy and speed are not yet set.
+    /// Number of the island (group of particles that may meet) of the particle at `index`. If the particle is in no
+    /// island, a new island of this particle is made; its energy and speed are not yet set.
     fn named(&mut self, index: u32) -> usize {
         self.found(index).unwrap_or_else(|| {
             let which = self.open();
@@ -247,13 +250,15 @@ impl<'a> Clusters<'a> {
         })
     }
 
-    /// Number of the island of the particle at `index`; `None` if the particle is in no island.
+    /// Number of the island (group of particles that may meet) of the particle at `index`; `None` if the particle is
+    /// in no island.
     fn found(&self, index: u32) -> Option<usize> {
         let label = self.search.label[index as usize]?;
         Some(self.members[label.member()].cluster as usize)
     }
 
-    /// Makes the particle at `index`, which is in no island so far, a member of the island `which`.
+    /// Makes the particle at `index`, which is in no island (group of particles that may meet) so far, a member of the
+    /// island `which`.
     fn enlist(&mut self, index: u32, which: usize) {
         let (cluster, member) = (which as u32, self.members.len());
         self.search.label[index as usize] = Some(Label::of(member));
@@ -262,7 +267,7 @@ impl<'a> Clusters<'a> {
         self.members.push(Member { index, cluster, flight, ball: flight, around: 0.0, took_in: 0.0, turns: None });
     }
 
-    /// Makes a new island without members, and returns its number.
+    /// Makes a new island (group of particles that may meet) without members, and returns its number.
     fn open(&mut self) -> usize {
         self.list.push(Cluster {
             hot: Few::new(),
@@ -284,8 +289,8 @@ impl<'a> Clusters<'a> {
         self.list.len() - 1
     }
 
-    /// Unites the islands with the numbers `a` and `b`. The members and contacts of the island with fewer members move
-    /// to the other island, whose number is returned.
+    /// Unites the islands with the numbers `a` and `b` (groups of particles that may meet). The members and contacts
+    /// of the island with fewer members move to the other island, whose number is returned.
     fn unite(&mut self, a: usize, b: usize) -> usize {
         if a == b {
             return a;
@@ -313,8 +318,8 @@ impl<'a> Clusters<'a> {
         into
     }
 
-    /// Numbers of the islands without a valid result that this process has to solve. A process solves an island only if
-    /// it stores all particles around the island.
+    /// Numbers of the islands (groups of particles that may meet) without a valid result that this process has to
+    /// solve. A process solves an island only if it stores all particles around the island.
     pub fn unsolved(&self) -> Vec<usize> {
         let sees_all = self.search.region.is_all();
         let search_radius = if sees_all { 0.0 } else { self.reach().search_radius() };
@@ -322,31 +327,33 @@ impl<'a> Clusters<'a> {
         unsolved.map(|(which, _)| which).filter(|&which| sees_all || self.room(which) >= search_radius).collect()
     }
 
-    /// Number of members of the island with the number `which`.
+    /// Number of members of the island with the number `which` (group of particles that may meet).
     pub fn members(&self, which: usize) -> usize {
         self.list[which].hot.len()
     }
 
-    /// Numbers of the carried contacts (or recent collisions) that belong to the island with the number `which`.
+    /// Numbers of the carried contacts (or recent collisions) that belong to the island with the number `which` (group
+    /// of particles that may meet).
     pub fn carried(&self, which: usize) -> &[u32] {
         &self.list[which].carried
     }
 
-    /// Stores the place of the valid result of the island `which`.
+    /// Stores the place of the valid result of the island `which` (group of particles that may meet).
     pub fn keep(&mut self, which: usize, result: IslandResult) {
         self.list[which].solved = Some(result);
     }
 
-    /// Removes the labels of members from all particles, and discards the results of the islands.
+    /// Removes the labels of members from all particles, and discards the results of the islands (groups of particles
+    /// that may meet).
     pub fn release(self) {
         for member in &self.members {
             self.search.label[member.index as usize] = None;
         }
     }
 
-    /// Returns where the results are stored: the place of the result of each solved island, and for each member the
-    /// number of its island and its number within the island. Particles keep their labels as members until the results
-    /// are written into the particle store.
+    /// Returns where the results are stored: the place of the result of each solved island (group of particles that
+    /// may meet), and for each member the number of its island and its number within the island. Particles keep their
+    /// labels as members until the results are written into the particle store.
     pub fn land(self) -> Landing {
         let mut of_member = vec![None; self.members.len()];
         let mut kept = Vec::with_capacity(self.list.len());

@@ -4,7 +4,7 @@ use super::batch::Solved;
 use crate::engine::Counters;
 use serde::{Deserialize, Serialize};
 
-/// Amounts of work done in islands since the start of a run.
+/// Amounts of work done in islands (groups of particles that may meet) since the start of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct IslandCounters {
     /// Number of collisions (hard spheres), or of time steps of contacts (soft and hybrid spheres).
@@ -15,7 +15,7 @@ pub struct IslandCounters {
     pub crowd_steps: u64,
     /// Number of contact forces computed in uniform steps of crowds, which are large islands.
     pub crowd_forces: u64,
-    /// Number of times of touch and gaps computed in islands.
+    /// Number of times of touch and gaps computed in islands (groups of particles that may meet).
     pub pair_checks: u64,
     /// Number of pairs of particles, plus number of pairs of a particle and a wall, that were checked in searches for
     /// touches.
@@ -32,9 +32,9 @@ pub struct IslandCounters {
     pub neighbour_builds: u64,
     /// Number of islands with a valid result; an island is counted once per interval for which it is solved.
     pub islands: u64,
-    /// Sum of the numbers of members of all islands that `islands` counts.
+    /// Sum of the numbers of members of all islands (groups of particles that may meet) that `islands` counts.
     pub members: u64,
-    /// Number of members of the largest island that was solved.
+    /// Number of members of the largest island (group of particles that may meet) that was solved.
     pub largest: u64,
     /// Number of islands whose result was discarded, because a particle met an unexpected particle or exceeded its
     /// speed limit, or because the island cost too much and became a crowd.
@@ -42,7 +42,8 @@ pub struct IslandCounters {
 }
 
 impl IslandCounters {
-    /// Adds the counts of `other` to these counts; the size of the largest island is the greater of both.
+    /// Adds the counts of `other` to these counts; the size of the largest island (group of particles that may meet)
+    /// is the greater of both.
     pub fn add(&mut self, other: &Self) {
         let largest = self.largest.max(other.largest);
         for (own, other) in self.sums().into_iter().zip(other.clone().sums()) {
@@ -51,8 +52,8 @@ impl IslandCounters {
         self.largest = largest;
     }
 
-    /// Borrows all counts that are sums over islands. Each remaining count is either equal in all processes that share
-    /// the run, or a maximum.
+    /// Borrows all counts that are sums over islands (groups of particles that may meet). Each remaining count is
+    /// either equal in all processes that share the run, or a maximum.
     pub fn sums(&mut self) -> [&mut u64; 11] {
         let Self { events, impulses, crowd_steps, crowd_forces, pair_checks, searched, .. } = self;
         let Self { force_evaluations, updates, islands, members, redone, .. } = self;
@@ -71,7 +72,8 @@ impl IslandCounters {
         ]
     }
 
-    /// Adds the work of solving one island once. The work counts also if the result is not valid.
+    /// Adds the work of solving one island (group of particles that may meet) once. The work counts also if the result
+    /// is not valid.
     pub fn count(&mut self, solved: &Solved) {
         self.events += solved.events;
         self.impulses += solved.impulses;

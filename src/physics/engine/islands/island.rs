@@ -8,11 +8,12 @@ use crate::particles::Particles;
 use crate::record::{Ledger, Log};
 use nalgebra::Vector3;
 
-/// Largest number of particles in an island for which a linear search for one particle is faster than a binary search.
+/// Largest number of particles in an island (group of particles that may meet) for which a linear search for one
+/// particle is faster than a binary search.
 const FEW: usize = 32;
 
-/// An island as a small separate scene for an engine. Local indices number the particles: first the members (hot
-/// particles), then the bystanders, which fly straight unless a member hits them.
+/// An island (group of particles that may meet) as a small separate scene for an engine. Local indices number the
+/// particles: first the members (hot particles), then the bystanders, which fly straight unless a member hits them.
 pub struct Island<C> {
     /// Copies of the particles, with velocities relative to the frame at rest. The engine moves them from the start of
     /// a part (interval of time) to its end.
@@ -24,15 +25,15 @@ pub struct Island<C> {
     /// True if the island is a crowd, a large island that is moved by uniform steps.
     pub crowd: bool,
     /// Local indices of all particles, sorted by the index in the particle store, for a binary search. Empty for a
-    /// small island, in which a linear search is faster.
+    /// small island (group of particles that may meet), in which a linear search is faster.
     by_index: Vec<u32>,
     /// Pairs of particles, and particles with walls, that may touch in this part (interval of time).
     pub list: NeighbourList,
     /// Contacts in progress (soft spheres) or recent collisions (hard spheres), with local indices of particles.
-    /// Before the island is solved, the list is that at the start of the part (interval of time); afterwards it is
-    /// that at the end.
+    /// Before the island (group of particles that may meet) is solved, the list is that at the start of the part
+    /// (interval of time); afterwards it is that at the end.
     pub carried: Vec<C>,
-    /// Log of the impacts and energies in the island.
+    /// Log of the impacts and energies in the island (group of particles that may meet).
     pub log: Log,
     /// Velocity changes in the order of time, each with the local index of its particle; empty if the engine does not
     /// report them.
@@ -45,7 +46,7 @@ pub struct Island<C> {
     pub crowd_steps: u64,
     /// Number of contact forces computed in uniform steps, if the island is a crowd.
     pub crowd_forces: u64,
-    /// Number of gaps and times of touch that were computed for the island.
+    /// Number of gaps and times of touch that were computed for the island (group of particles that may meet).
     pub pair_checks: u64,
     /// Number of contact forces that were computed in the island, those of uniform steps included.
     pub force_evaluations: u64,
@@ -69,7 +70,7 @@ pub struct Island<C> {
 }
 
 impl<C> Island<C> {
-    /// Makes an island without particles.
+    /// Makes an island (group of particles that may meet) without particles.
     pub fn empty() -> Self {
         Self {
             particles: Particles::default(),
@@ -140,7 +141,8 @@ impl<C> Island<C> {
         (self.also, self.fastest) = (Vec::new(), 0.0);
     }
 
-    /// Local index of the particle at `index` in the particle store; `None` if the particle is not in the island.
+    /// Local index of the particle at `index` in the particle store; `None` if the particle is not in the island
+    /// (group of particles that may meet).
     pub(super) fn local(&self, index: u32) -> Option<u32> {
         if self.by_index.is_empty() {
             return self.indices.iter().position(|&other| other == index).map(|local| local as u32);

@@ -61,11 +61,12 @@ use std::sync::Arc;
 /// Solver of one island (a group of particles that may meet). Each engine provides a solver, which several threads use
 /// at the same time.
 pub trait Solve: Sync {
-    /// Method that finds the particles of islands. With [`TracedIslands`], particles must fly straight between
-    /// collisions, and the engine must report every velocity change by calling [`Island::turn`].
+    /// Method that finds the particles of islands (groups of particles that may meet). With [`TracedIslands`],
+    /// particles must fly straight between collisions, and the engine must report every velocity change by calling
+    /// [`Island::turn`].
     type Finder<'a>: IslandFinder<'a>;
-    /// State of an island that the next interval of time needs: a contact in progress, or the last collision of a
-    /// particle. The state contains indices of particles.
+    /// State of an island (group of particles that may meet) that the next interval of time needs: a contact in
+    /// progress, or the last collision of a particle. The state contains indices of particles.
     type Carried: Copy + Send + Sync + Serialize + DeserializeOwned;
     /// Scratch memory of the solver, one for each thread.
     type Scratch: Default + Send;
@@ -76,7 +77,7 @@ pub trait Solve: Sync {
 
     /// Returns a copy of a contact in progress (or recent collision) with new indices of its particles: index `p`
     /// becomes `index_of(p)`. This is needed when the particle store was sorted, or when particles are copied into an
-    /// island.
+    /// island (group of particles that may meet).
     fn moved(carried: &Self::Carried, index_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
     /// Energy [J] that a contact in progress may give back to its particles; 0 for a recent collision.
@@ -91,18 +92,18 @@ pub trait Solve: Sync {
     /// The two bodies of a contact in progress; `None` for a recent collision.
     fn touching(&self, carried: &Self::Carried) -> Option<Couple>;
 
-    /// True if the engine can solve crowds. A crowd is an island without a list of pairs, which is moved by uniform
-    /// steps. It has more than [`LARGEST_ISLAND`] particles, or was too expensive with such a list, or contains all
-    /// contacts in progress if these are many.
+    /// True if the engine can solve crowds. A crowd is an island (group of particles that may meet) without a list of
+    /// pairs, which is moved by uniform steps. It has more than [`LARGEST_ISLAND`] particles, or was too expensive
+    /// with such a list, or contains all contacts in progress if these are many.
     fn takes_crowds(&self) -> bool {
         false
     }
 
-    /// Moves the particles of an island from the start of a part (interval of time) to its end, `end` [s] later.
-    /// `window` is the time from the start of the part to the next exchange with the gas. Returns `None` if the result
-    /// is valid. The function stops, and returns the local index of a particle, if that particle exceeds its speed
-    /// limit or is hit unexpectedly ([`Island::allows`]). If this happens to several particles, the indices of the
-    /// other particles are stored in [`Island::also`].
+    /// Moves the particles of an island (group of particles that may meet) from the start of a part (interval of time)
+    /// to its end, `end` [s] later. `window` is the time from the start of the part to the next exchange with the gas.
+    /// Returns `None` if the result is valid. The function stops, and returns the local index of a particle, if that
+    /// particle exceeds its speed limit or is hit unexpectedly ([`Island::allows`]). If this happens to several
+    /// particles, the indices of the other particles are stored in [`Island::also`].
     ///
     /// # Errors
     /// The engine fails, or the island costs more than it would cost to move all particles at once (the classical
@@ -121,26 +122,26 @@ pub trait Solve: Sync {
 /// because particles move by only a small fraction of a cell between two searches.
 const WINDOWS_PER_SORT: u64 = 32;
 
-/// Largest number of particles of an island that is solved with a list of all its pairs. In a larger island, uniform
-/// steps of all particles cost less.
+/// Largest number of particles of an island (group of particles that may meet) that is solved with a list of all its
+/// pairs. In a larger island, uniform steps of all particles cost less.
 pub const LARGEST_ISLAND: usize = 200;
 
-/// Number of members above which an island is too large, as long as a shorter interval of time can be tried. If an
-/// island is too large, the interval is halved, up to [`SHORTER`] times. Large islands are expensive, because each
-/// step of an island checks all of its pairs.
+/// Number of members above which an island (group of particles that may meet) is too large, as long as a shorter
+/// interval of time can be tried. If an island is too large, the interval is halved, up to [`SHORTER`] times. Large
+/// islands are expensive, because each step of an island checks all of its pairs.
 const LARGE_ISLAND: usize = 48;
 
-/// Number of times that an interval of time is halved because islands are too large. After that, the classical
-/// algorithm moves all particles at once.
+/// Number of times that an interval of time is halved because islands (groups of particles that may meet) are too
+/// large. After that, the classical algorithm moves all particles at once.
 const SHORTER: i32 = 3;
 
-/// Number of islands that a thread solves as one piece of work. The number is fixed, so that results do not depend on
-/// the number of threads.
+/// Number of islands (groups of particles that may meet) that a thread solves as one piece of work. The number is
+/// fixed, so that results do not depend on the number of threads.
 const BATCH: usize = 64;
 
-/// Method that moves particles through a window (time between two exchanges with the gas) by finding islands and
-/// solving them. The window is divided into parts (intervals of time), and `C` is the type of contacts (or recent
-/// collisions) carried from part to part.
+/// Method that moves particles through a window (time between two exchanges with the gas) by finding islands (groups
+/// of particles that may meet) and solving them. The window is divided into parts (intervals of time), and `C` is the
+/// type of contacts (or recent collisions) carried from part to part.
 pub struct Islands<C> {
     /// Clock that measures the wall-clock time of searches and flights.
     pub clock: Clock,
@@ -170,7 +171,7 @@ impl<C> Default for Islands<C> {
 }
 
 impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
-    /// Counts of the work done in islands so far.
+    /// Counts of the work done in islands (groups of particles that may meet) so far.
     pub fn counters(&self) -> IslandCounters {
         self.counters
     }
@@ -181,12 +182,14 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         (self.counters, self.spent) = (counters, spent);
     }
 
-    /// Forgets the particles that were in islands, because particles have left the store or come into it.
+    /// Forgets the particles that were in islands (groups of particles that may meet), because particles have left the
+    /// store or come into it.
     pub fn repopulate(&mut self) {
         self.members.clear();
     }
 
-    /// Indices of the particles that were members of islands in the last part (interval of time) of a window.
+    /// Indices of the particles that were members of islands (groups of particles that may meet) in the last part
+    /// (interval of time) of a window.
     pub fn members(&self) -> &[u32] {
         &self.members
     }
@@ -220,9 +223,9 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         SpeedSummary { frame, mean, largest: largest[0] }
     }
 
-    /// Moves all particles through the window for as long as islands cost less than the classical algorithm, which
-    /// moves all particles at once. Returns the time [s] from the start of the window that is covered in this way. In
-    /// a dilute scene it is the whole window.
+    /// Moves all particles through the window for as long as islands (groups of particles that may meet) cost less
+    /// than the classical algorithm, which moves all particles at once. Returns the time [s] from the start of the
+    /// window that is covered in this way. In a dilute scene it is the whole window.
     ///
     /// If the engine fails in an island, the function returns early without an error. Then the classical algorithm
     /// meets the failure again, and stops at the time of the failure.
@@ -295,8 +298,9 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         self.spent.neighbours += self.clock.now() - began;
     }
 
-    /// Moves all particles through a part, a piece of the window. Returns false if an island is too large or the engine
-    /// fails; no particle has then moved, except by shifts of whole periods into the box.
+    /// Moves all particles through a part, a piece of the window. Returns false if an island (group of particles that
+    /// may meet) is too large or the engine fails; no particle has then moved, except by shifts of whole periods into
+    /// the box.
     fn part<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,
@@ -338,8 +342,8 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
         }
     }
 
-    /// Writes the results of all islands into the particle store and the log, and moves all other particles on straight
-    /// lines.
+    /// Writes the results of all islands (groups of particles that may meet) into the particle store and the log, and
+    /// moves all other particles on straight lines.
     fn write_back(&mut self, work: &mut Work<C>, piece: &WindowPiece, landing: &Landing, batches: &[Batch<C>]) {
         let (gravity, &WindowPiece { elapsed, part, .. }) = (work.scene.gravity, piece);
         let (fall, fallen) = (gravity * (part * (elapsed + 0.5 * part)), gravity * (elapsed + part));

@@ -6,11 +6,12 @@ use super::cluster::IslandFinder;
 use super::{BATCH, IslandCounters, Solve};
 use crate::work_sharing;
 
-/// Solves all islands, and solves those again in which a member met an unexpected particle or exceeded its speed
-/// limit. An island that costs too much is solved again as a crowd (by uniform steps), if the engine takes crowds.
-/// Returns the valid results with the counts of work; `None` if an island is too large or, without crowds, costs too
-/// much, or if the engine fails in one. `mine` returns true for the index of a particle that belongs to this process.
-/// An island is counted only if its leader (the member with the smallest id) belongs to this process.
+/// Solves all islands (groups of particles that may meet), and solves those again in which a member met an unexpected
+/// particle or exceeded its speed limit. An island that costs too much is solved again as a crowd (by uniform steps),
+/// if the engine takes crowds. Returns the valid results with the counts of work; `None` if an island is too large or,
+/// without crowds, costs too much, or if the engine fails in one. `mine` returns true for the index of a particle that
+/// belongs to this process. An island is counted only if its leader (the member with the smallest id) belongs to this
+/// process.
 pub fn solve_all<S: Solve>(
     islands: &mut S::Finder<'_>,
     task: &Task<S>,

@@ -108,8 +108,8 @@ pub struct Search {
     beside_walls: Vec<Vec<u32>>,
 }
 
-/// Label of a hot particle (member of an island): its number among the members of all islands. An `Option<Label>`
-/// takes four bytes.
+/// Label of a hot particle (member of an island): its number among the members of all islands (groups of particles
+/// that may meet). An `Option<Label>` takes four bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Label(NonZeroU32);
 

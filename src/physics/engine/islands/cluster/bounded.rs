@@ -13,31 +13,33 @@ use crate::work_sharing;
 use std::ops::{Deref, DerefMut};
 
 /// Number of contacts in progress above which all of them form one crowd (an island moved by uniform steps), in
-/// engines that take crowds. A contact costs four times as much in the step of a separate island as in a uniform step.
-/// With so many contacts, some particles touch at any time, so an island of them would need steps all the time.
+/// engines that take crowds. A contact costs four times as much in the step of a separate island (group of particles
+/// that may meet) as in a uniform step. With so many contacts, some particles touch at any time, so an island of them
+/// would need steps all the time.
 const MANY_CONTACTS: usize = 16;
 
-/// Number of islands whose surroundings a thread searches in one piece of work.
+/// Number of islands (groups of particles that may meet) whose surroundings a thread searches in one piece of work.
 const BATCH: usize = 16;
 
-/// Number of islands whose bystanders (particles that fly straight unless a member hits them) a thread checks in one
-/// piece of work.
+/// Number of islands (groups of particles that may meet) whose bystanders (particles that fly straight unless a member
+/// hits them) a thread checks in one piece of work.
 const MANY: usize = 512;
 
-/// Result of searching the surroundings of an island for particles that it may meet.
+/// Result of searching the surroundings of an island (group of particles that may meet) for particles that it may
+/// meet.
 enum Surroundings {
-    /// The island meets no other island. The list contains the indices of its bystanders, particles that fly straight
-    /// unless a member hits them.
+    /// The island (group of particles that may meet) meets no other island. The list contains the indices of its
+    /// bystanders, particles that fly straight unless a member hits them.
     Bystanders(Few),
-    /// Numbers of other islands that this island may meet. The list contains all of them if the engine takes crowds
-    /// (large islands moved by uniform steps), otherwise only one.
+    /// Numbers of other islands (groups of particles that may meet) that this island may meet. The list contains all
+    /// of them if the engine takes crowds (large islands moved by uniform steps), otherwise only one.
     Islands(Vec<usize>),
     /// The island has too many members, or reaches too far, for an interval of time of this length.
     TooLarge,
 }
 
-/// Islands that are found by upper limits on the distances that their members may fly. All particles that an island may
-/// meet are found before it is solved.
+/// Islands (groups of particles that may meet) that are found by upper limits on the distances that their members may
+/// fly. All particles that an island may meet are found before the island is solved.
 pub struct BoundedIslands<'a> {
     clusters: Clusters<'a>,
     limits: IslandLimits,
@@ -82,8 +84,9 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
         self.expand_all((0..self.list.len()).collect())
     }
 
-    /// Appends the pairs of a member with later particles of its island, if the balls of both particles overlap. The
-    /// ball of a member contains its path after the first touch; that of a bystander contains its straight flight.
+    /// Appends the pairs of a member with later particles of its island (group of particles that may meet), if the
+    /// balls of both particles overlap. The ball of a member contains its path after the first touch; that of a
+    /// bystander contains its straight flight.
     fn list_pairs(&self, (a, member): (usize, &Member), (indices, hot): (&[u32], usize), pairs: &mut Vec<Pair>) {
         // the ball is enlarged to allow for rounding, so that a touch at the very beginning is not lost
         let here = BoundingSphere { reach: member.ball.reach * (1.0 + 1e-9), ..member.ball };
@@ -121,7 +124,8 @@ impl<'a> IslandFinder<'a> for BoundedIslands<'a> {
 }
 
 impl BoundedIslands<'_> {
-    /// Sorts the members of all islands into cells by the middles of their straight flights.
+    /// Sorts the members of all islands (groups of particles that may meet) into cells by the middles of their
+    /// straight flights.
     pub(super) fn sort(&mut self) {
         let Clusters { search, members, widest, .. } = &self.clusters;
         let spacing = (search.region.volume() / members.len().max(1) as f64).cbrt();
@@ -131,8 +135,9 @@ impl BoundedIslands<'_> {
         self.grid.sort(members, |member| member.flight.middle, &search.region, edge, &mut self.sorted);
     }
 
-    /// Ball that contains a particle of an island, given by its index in the store. For a member (`is_member` is true)
-    /// it contains the path after the first touch in the island. For a bystander it contains the whole straight flight.
+    /// Ball that contains a particle of an island (group of particles that may meet), given by its index in the store.
+    /// For a member (`is_member` is true) it contains the path after the first touch in the island. For a bystander it
+    /// contains the whole straight flight.
     fn ball_of(&self, index: u32, is_member: bool) -> BoundingSphere {
         match self.search.label[index as usize] {
             Some(label) if is_member => self.members[label.member()].ball,
@@ -140,9 +145,9 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Searches the surroundings of the islands `changed`, and unites islands until no two of them may meet. Then the
-    /// bystanders (particles that fly straight unless a member hits them) of each island are known. Returns false if an
-    /// island is too large.
+    /// Searches the surroundings of the islands `changed` (groups of particles that may meet), and unites islands
+    /// until no two of them may meet. Then the bystanders (particles that fly straight unless a member hits them) of
+    /// each island are known. Returns false if an island is too large.
     ///
     /// In each round, the searches of all changed islands run in parallel; islands change only between rounds. Islands
     /// only grow, so the result does not depend on the order of the searches.
@@ -181,8 +186,8 @@ impl BoundedIslands<'_> {
         true
     }
 
-    /// For those of the given islands that have changed since the last computation, computes the distances that their
-    /// members may reach.
+    /// For those of the given islands (groups of particles that may meet) that have changed since the last
+    /// computation, computes the distances that their members may reach.
     fn settle_changed(&mut self, islands: &[usize]) {
         for &which in islands {
             let cluster = &self.list[which];
@@ -209,22 +214,22 @@ impl BoundedIslands<'_> {
         true
     }
 
-    /// Unites the island with the number `which` with the islands `others`, and returns the number of the united
-    /// island.
+    /// Unites the island with the number `which` (group of particles that may meet) with the islands `others`, and
+    /// returns the number of the united island.
     fn unite_all(&mut self, which: usize, others: Vec<usize>) -> usize {
         others.into_iter().fold(which, |which, other| self.unite(which, other))
     }
 
-    /// Stores the bystanders of an island (particles that fly straight unless a member hits them), after a search has
-    /// shown that the island meets no other one.
+    /// Stores the bystanders (particles that fly straight unless a member hits them) of an island (group of particles
+    /// that may meet). The function is called after a search has shown that the island meets no other one.
     fn has_seen(&mut self, which: usize, bystanders: Few) {
         let cluster = &mut self.list[which];
         cluster.bystanders = bystanders;
         cluster.seen = Some(cluster.version);
     }
 
-    /// Searches the surroundings of the island with the number `which` for particles and islands that its members might
-    /// hit.
+    /// Searches the surroundings of the island with the number `which` (group of particles that may meet) for
+    /// particles and islands that its members might hit.
     fn look_around(&self, which: usize) -> Surroundings {
         let cluster = &self.list[which];
         if cluster.is_too_large(self.limits.most) && !self.limits.crowds {
@@ -273,9 +278,9 @@ impl BoundedIslands<'_> {
         Surroundings::Bystanders(bystanders)
     }
 
-    /// Unites islands with those in which their bystanders have become members. A bystander is a particle that was
-    /// expected to fly straight. `known` is the number of members before the last changes. Returns the number of one
-    /// member of each united island.
+    /// Unites islands (groups of particles that may meet) with those in which their bystanders have become members. A
+    /// bystander is a particle that was expected to fly straight. `known` is the number of members before the last
+    /// changes. Returns the number of one member of each united island.
     fn unite_with_bystanders(&mut self, known: usize) -> Vec<u32> {
         let mut changed = Vec::new();
         if self.members.len() == known {
@@ -318,7 +323,7 @@ impl Cluster {
         self.is_crowd() || self.hot.len() > most.max(2 * self.carried.len())
     }
 
-    /// True if the island has changed since its surroundings were last searched.
+    /// True if the island (group of particles that may meet) has changed since its surroundings were last searched.
     fn has_to_look(&self) -> bool {
         self.alive && self.seen != Some(self.version)
     }

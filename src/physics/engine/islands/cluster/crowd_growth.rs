@@ -39,7 +39,8 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Makes the particle at `index` in the store a member of the crowd `which`, if it is in no island.
+    /// Makes the particle at `index` in the store a member of the crowd `which`, if it is in no island (group of
+    /// particles that may meet).
     fn take_in(&mut self, which: usize, index: u32) {
         if self.search.label[index as usize].is_none() {
             let alone = self.cluster_of(index);
@@ -49,8 +50,9 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Indices of the particles that are in no island, next to a member of a crowd, and within reach of this member.
-    /// Empty if the surroundings of the member have already been searched with the reach that it has now.
+    /// Indices of the particles that are in no island (group of particles that may meet), next to a member of a crowd,
+    /// and within reach of this member. Empty if the surroundings of the member have already been searched with the
+    /// reach that it has now.
     fn find_beside(&mut self, member: u32) -> Vec<u32> {
         let Member { index, ball, took_in, .. } = self.members[member as usize];
         let mut beside = Vec::new();

@@ -8,9 +8,9 @@ use crate::neighbours::NearWall;
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// Copies the island with the number `which` into the small scene `island`, but not its contacts in progress. `fallen`
-/// [m/s] is the velocity that gravity has added since the last exchange with the gas; the particle store does not
-/// contain it.
+/// Copies the island with the number `which` (group of particles that may meet) into the small scene `island`, but not
+/// its contacts in progress. `fallen` [m/s] is the velocity that gravity has added since the last exchange with the
+/// gas; the particle store does not contain it.
 pub fn fill<'a, C>(
     islands: &impl IslandFinder<'a>,
     which: usize,

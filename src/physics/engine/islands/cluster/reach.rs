@@ -9,8 +9,8 @@ use crate::particles::Particles;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// [-] factor by which speeds may exceed the limit of energy conservation before an island is solved again. It allows
-/// for a small gain of energy in contacts with finite time steps.
+/// [-] factor by which speeds may exceed the limit of energy conservation before an island (group of particles that
+/// may meet) is solved again. It allows for a small gain of energy in contacts with finite time steps.
 const MARGIN: f64 = 1.05;
 
 /// Largest distances [m] that particles may reach in a part, a piece of the time between two exchanges with the gas.
@@ -25,9 +25,9 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Distance [m] around an island within which a process must store all particles to solve the island. The process
-    /// then knows all particles that may meet the island, and finds out which of them touch something on their
-    /// straight flights.
+    /// Distance [m] around an island (group of particles that may meet) within which a process must store all
+    /// particles to solve the island. The process then knows all particles that may meet the island, and finds out
+    /// which of them touch something on their straight flights.
     pub fn search_radius(&self) -> f64 {
         self.around.max(self.flight) + 2.0 * self.flight
     }
@@ -61,16 +61,16 @@ pub(super) fn motion(particles: &Particles, frame: Vector3<f64>, index: u32) -> 
 }
 
 impl Clusters<'_> {
-    /// Speed limit [m/s] of a member of an island, relative to the moving frame: the lesser of two bounds. One bound
-    /// follows from the two largest energies in the island, the other from the two largest speeds. Two particles alone
-    /// never exceed either bound. Among more particles a speed may exceed both bounds; the island is then solved again
-    /// with a higher limit.
+    /// Speed limit [m/s] of a member of an island (group of particles that may meet), relative to the moving frame:
+    /// the lesser of two bounds. One bound follows from the two largest energies in the island, the other from the two
+    /// largest speeds. Two particles alone never exceed either bound. Among more particles a speed may exceed both
+    /// bounds; the island is then solved again with a higher limit.
     ///
-    /// The two most energetic particles may give all their energy to one particle, which gives the first bound. For the
-    /// second, let the two fastest have the speeds s₁ ≥ s₂. Their centre of mass is not faster than s₁, and relative to
-    /// it each particle moves at s₁ + s₂ or less. So neither leaves faster than 2 s₁ + s₂. An energy E that a contact
-    /// gives back adds at most √(2E/m) to the speed of a particle of mass m. For light particles among heavy ones, the
-    /// second bound is the lesser one.
+    /// The two most energetic particles may give all their energy to one particle, which gives the first bound. For
+    /// the second, let the two fastest have the speeds s₁ ≥ s₂. Their centre of mass is not faster than s₁, and
+    /// relative to it each particle moves at s₁ + s₂ or less. So neither leaves faster than 2 s₁ + s₂. An energy E
+    /// that a contact gives back adds at most √(2E/m) to the speed of a particle of mass m. For light particles among
+    /// heavy ones, the second bound is the lesser one.
     ///
     /// The contacts of a crowd (a large island moved by uniform steps) together store far more energy than any of its
     /// particles ever receives. Therefore the bounds of a crowd contain only twice the largest energy of one contact,
@@ -84,8 +84,8 @@ impl Clusters<'_> {
         (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
     }
 
-    /// Computes, in parallel for all islands, the distances that their members may reach. The data of an island depend
-    /// only on its members, and then those of a member only on its island.
+    /// Computes, in parallel for all islands (groups of particles that may meet), the distances that their members may
+    /// reach. The data of an island depend only on its members, and then those of a member only on its island.
     pub(super) fn settle_all(&mut self) {
         let mut clusters = std::mem::take(&mut self.list);
         work_sharing::for_each(clusters.chunks_mut(BATCH), |some| {
@@ -99,7 +99,8 @@ impl Clusters<'_> {
         self.members = members;
     }
 
-    /// Computes the distances that the members of the island `which` may reach, after the island has changed.
+    /// Computes the distances that the members of the island `which` (group of particles that may meet) may reach,
+    /// after the island has changed.
     pub(super) fn update_reach(&mut self, which: usize) {
         let mut clusters = std::mem::take(&mut self.list);
         self.put_in_order(&mut clusters[which]);
@@ -109,15 +110,17 @@ impl Clusters<'_> {
         }
     }
 
-    /// Computes the distance that the member with the number `member` may reach, after its island has changed.
+    /// Computes the distance that the member with the number `member` may reach, after its island (group of particles
+    /// that may meet) has changed.
     pub(super) fn update_reach_of_member(&mut self, member: u32) {
         let mut members = std::mem::take(&mut self.members);
         self.widest = self.widest.max(self.reach_out(&mut members[member as usize]));
         self.members = members;
     }
 
-    /// Sorts the members of an island by id and its contacts by number, and computes its largest energies and speeds.
-    /// The order does not depend on that of the particle store, nor on the order in which islands were united.
+    /// Sorts the members of an island (group of particles that may meet) by id and its contacts by number, and
+    /// computes its largest energies and speeds. The order does not depend on that of the particle store, nor on the
+    /// order in which islands were united.
     fn put_in_order(&self, cluster: &mut Cluster) {
         cluster.hot.sort_unstable_by_key(|&member| self.particles.id[self.members[member as usize].index as usize]);
         cluster.carried.sort_unstable();
@@ -133,9 +136,9 @@ impl Clusters<'_> {
         cluster.settled = Some(cluster.version);
     }
 
-    /// Computes the ball that contains a member of an island between the first touch in the island and the end of the
-    /// part (interval of time). Returns the largest distance [m] of any point of the member from the middle of its
-    /// straight flight.
+    /// Computes the ball that contains a member of an island (group of particles that may meet) between the first
+    /// touch in the island and the end of the part (interval of time). Returns the largest distance [m] of any point
+    /// of the member from the middle of its straight flight.
     fn reach_out(&self, member: &mut Member) -> f64 {
         let (cluster, i) = (&self.list[member.cluster as usize], member.index as usize);
         member.flight = self.search.flights[i];
@@ -151,15 +154,16 @@ impl Clusters<'_> {
         member.around
     }
 
-    /// Largest distances that any straight flight and any member of an island may reach.
+    /// Largest distances that any straight flight and any member of an island (group of particles that may meet) may
+    /// reach.
     pub fn reach(&self) -> Reach {
         let ball = self.members.iter().map(|member| member.ball.reach).fold(0.0, f64::max);
         Reach { flight: self.search.levels.largest_reach(), around: self.widest, ball }
     }
 
-    /// Smallest distance [m] between a place that a member of the island may reach and the border of the region whose
-    /// particles this process stores. The distance is negative if a member may reach beyond this border, and infinite
-    /// if the process stores all particles.
+    /// Smallest distance [m] between a place that a member of the island (group of particles that may meet) may reach
+    /// and the border of the region whose particles this process stores. The distance is negative if a member may
+    /// reach beyond this border, and infinite if the process stores all particles.
     pub(super) fn room(&self, which: usize) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;
@@ -171,9 +175,9 @@ impl Clusters<'_> {
         members.map(room).fold(f64::INFINITY, f64::min)
     }
 
-    /// Smallest distance [m] between an island and the border of the region whose particles this process stores. Only
-    /// islands with a member for whose index `chosen` returns true are considered. Infinite if there are no such
-    /// islands.
+    /// Smallest distance [m] between an island (group of particles that may meet) and the border of the region whose
+    /// particles this process stores. Only islands with a member for whose index `chosen` returns true are considered.
+    /// Infinite if there are no such islands.
     pub fn least_room(&self, chosen: impl Fn(u32) -> bool) -> f64 {
         if self.search.region.is_all() {
             return f64::INFINITY;
@@ -189,8 +193,8 @@ impl Clusters<'_> {
         *alive && hot.iter().any(|&member| chosen(self.members[member as usize].index))
     }
 
-    /// Index in the store of the leader of an island, its member with the smallest id; `None` if it has no members. The
-    /// process that owns the leader counts the events of the island.
+    /// Index in the store of the leader of an island (group of particles that may meet), its member with the smallest
+    /// id; `None` if it has no members. The process that owns the leader counts the events of the island.
     pub fn leader(&self, which: usize) -> Option<u32> {
         self.list[which].hot.first().map(|&member| self.members[member as usize].index)
     }

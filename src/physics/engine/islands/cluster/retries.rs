@@ -3,14 +3,14 @@
 use super::Clusters;
 use crate::engine::islands::batch::Retry;
 
-/// [-] the lower bound of the speed limits of an island is raised to this factor times the speed of a particle that
-/// exceeded its limit. With this factor, islands rarely have to be solved again.
+/// [-] the lower bound of the speed limits of an island (group of particles that may meet) is raised to this factor
+/// times the speed of a particle that exceeded its limit. With this factor, islands rarely have to be solved again.
 const RAISE: f64 = 1.5;
 
 impl Clusters<'_> {
-    /// Changes the islands that must be solved again, given by their numbers. The surroundings of islands are searched
-    /// again only afterwards, so the order of the changes does not matter. Returns the number of one member of each
-    /// changed island.
+    /// Changes the islands (groups of particles that may meet) that must be solved again, given by their numbers. The
+    /// surroundings of islands are searched again only afterwards, so the order of the changes does not matter.
+    /// Returns the number of one member of each changed island.
     pub(super) fn apply_retries(&mut self, retries: Vec<(usize, Retry)>) -> Vec<u32> {
         // members identify the islands, since an island may be united with another one before its change is applied
         let retries: Vec<(u32, Retry)> =
@@ -21,8 +21,9 @@ impl Clusters<'_> {
         retries.into_iter().map(|(member, _)| member).collect()
     }
 
-    /// Changes the island of the member with the number `member` before the island is solved again. A bystander that
-    /// was hit becomes a member, a speed limit rises, or the island becomes a crowd, which is moved by uniform steps.
+    /// Changes the island (group of particles that may meet) of the member with the number `member` before the island
+    /// is solved again. A bystander that was hit becomes a member, a speed limit rises, or the island becomes a crowd,
+    /// which is moved by uniform steps.
     fn apply_retry(&mut self, member: u32, retry: &Retry) {
         let mut which = self.members[member as usize].cluster as usize;
         match retry {

@@ -25,11 +25,11 @@ use std::ops::{Deref, DerefMut, Range};
 /// [-] allowance for rounding: a gap below this fraction of the summed lengths of both paths counts as a touch.
 const NEARLY: f64 = 1e-9;
 
-/// Balls sorted into cells. Each ball contains the path of one member of an island, from the member's first velocity
-/// change on.
+/// Balls sorted into cells. Each ball contains the path of one member of an island (group of particles that may meet),
+/// from the member's first velocity change on.
 #[derive(Default)]
 pub struct DeflectedFlights {
-    /// For each ball, the number of its particle among the members of all islands.
+    /// For each ball, the number of its particle among the members of all islands (groups of particles that may meet).
     members: Vec<u32>,
     levels: SizeLevels,
     packed: PackedBalls,
@@ -58,12 +58,12 @@ impl DeflectedFlights {
     }
 }
 
-/// Method that solves islands first: the trajectories of solved islands show which islands meet. Islands that meet are
-/// united and solved again.
+/// Method that solves islands (groups of particles that may meet) first: the trajectories of solved islands show which
+/// islands meet. Islands that meet are united and solved again.
 pub struct TracedIslands<'a> {
     clusters: Clusters<'a>,
-    /// Velocity changes of the members of all solved islands. Those of one member follow one another in the order of
-    /// time.
+    /// Velocity changes of the members of all solved islands (groups of particles that may meet). Those of one member
+    /// follow one another in the order of time.
     turns: Vec<VelocityChange>,
     /// Balls that contain paths after the first velocity change, sorted into cells. The first entry is for all members.
     /// The second is for members whose islands have been solved more than once.
@@ -101,8 +101,8 @@ impl<'a> IslandFinder<'a> for TracedIslands<'a> {
         true
     }
 
-    /// Appends all pairs of a member with later particles of its island: before the island is solved, any of them may
-    /// meet.
+    /// Appends all pairs of a member with later particles of its island (group of particles that may meet): before the
+    /// island is solved, any of them may meet.
     fn list_pairs(&self, (a, _): (usize, &Member), (indices, _): (&[u32], usize), pairs: &mut Vec<Pair>) {
         pairs.extend((a + 1..indices.len()).map(|b| Pair { i: a as u32, j: b as u32 }));
     }
@@ -165,7 +165,8 @@ impl<'a> IslandFinder<'a> for TracedIslands<'a> {
 }
 
 impl TracedIslands<'_> {
-    /// Trajectory of a member of an island in this part, a piece of the time between two exchanges with the gas.
+    /// Trajectory of a member of an island (group of particles that may meet) in this part, a piece of the time
+    /// between two exchanges with the gas.
     fn trajectory(&self, member: &Member) -> ParticleTrajectory<'_> {
         ParticleTrajectory { index: member.index, turns: member.turns.clone().map(|turns| &self.turns[turns]) }
     }
@@ -192,10 +193,11 @@ impl TracedIslands<'_> {
         PiecewiseTrajectory { turns: turned, around: flight.reach.max(ball.reach + apart * (1.0 + NEARLY)), ball }
     }
 
-    /// Unites solved islands with the islands and single particles that their trajectories meet; the united islands
-    /// must be solved again. Returns the number of results that became invalid; `None` if an island is too large or
-    /// reaches too far. `mine` returns true for the index of a particle that belongs to this process. An island is
-    /// counted only if its leader (the member with the smallest id) belongs to this process.
+    /// Unites solved islands (groups of particles that may meet) with the islands and single particles that their
+    /// trajectories meet; the united islands must be solved again. Returns the number of results that became invalid;
+    /// `None` if an island is too large or reaches too far. `mine` returns true for the index of a particle that
+    /// belongs to this process. An island is counted only if its leader (the member with the smallest id) belongs to
+    /// this process.
     fn unite_meeting(&mut self, mine: impl Fn(u32) -> bool) -> Option<u64> {
         let is_new = |which: &usize| {
             let cluster = &self.list[*which];
@@ -231,9 +233,9 @@ impl TracedIslands<'_> {
         changed.iter().all(|&which| !self.list[which].is_crowd()).then_some(in_vain)
     }
 
-    /// Sorts into cells the balls that contain paths after a velocity change. After all islands have been solved for
-    /// the first time, these are the balls of all members. Later, when islands have been solved again, the balls of
-    /// the islands in `new` are added to a second list of balls.
+    /// Sorts into cells the balls that contain paths after a velocity change. After all islands (groups of particles
+    /// that may meet) have been solved for the first time, these are the balls of all members. Later, when islands
+    /// have been solved again, the balls of the islands in `new` are added to a second list of balls.
     fn lay_out(&mut self, new: &[usize]) {
         let Clusters { search, members: known, list, widest, .. } = &mut self.clusters;
         let region = &search.region;
@@ -259,9 +261,9 @@ impl TracedIslands<'_> {
         }
     }
 
-    /// Indices (in the particle store) of the particles outside the island `which` that members of the island may meet
-    /// on their trajectories. An index may occur several times. `None` if a member could meet a periodic image of a
-    /// particle other than the nearest image.
+    /// Indices (in the particle store) of the particles outside the island `which` (group of particles that may meet)
+    /// that members of the island may meet on their trajectories. An index may occur several times. `None` if a member
+    /// could meet a periodic image of a particle other than the nearest image.
     fn met_by(&self, which: usize) -> Option<Vec<u32>> {
         let mut met = Vec::new();
         // in the first round the surroundings of every island are searched. A search around a path after a velocity

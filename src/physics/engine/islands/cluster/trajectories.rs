@@ -52,10 +52,10 @@ pub struct Segment {
     pub velocity: Vector3<f64>,
 }
 
-/// Trajectories of the members of several islands that one thread has solved.
+/// Trajectories of the members of several islands (groups of particles that may meet) that one thread has solved.
 #[derive(Default)]
 pub struct MemberTrajectories {
-    /// Trajectory of each member, for one island after another.
+    /// Trajectory of each member, for one island (group of particles that may meet) after another.
     pub ways: Vec<PiecewiseTrajectory>,
     /// Velocity changes of all these trajectories. Those of one member follow one another.
     pub turns: Vec<VelocityChange>,
