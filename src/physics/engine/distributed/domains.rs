@@ -51,13 +51,13 @@ pub struct Domains<C> {
     /// [m] distance from the block (region of the box) of this process within which it borrows (copies) particles of
     /// other processes.
     pub(super) width: f64,
-    /// True if each process stores only the particles of its block; false if the lead process stores the particles of
-    /// all blocks.
+    /// True if each process stores only the particles of its block; false if the lead process (process 0) stores the
+    /// particles of all blocks.
     pub is_cut: bool,
     /// Contacts in progress between a particle of this process and one of another process.
     pub abroad: Vec<CrossRankContact<C>>,
-    /// Own data of the lead process, kept here while copies of particles of all processes replace these data in the
-    /// store. `None` at other times, and in other processes.
+    /// Own data of the lead process (process 0), kept here while copies of particles of all processes replace these
+    /// data in the store. `None` at other times, and in other processes.
     pub(super) gathered: Option<GatheredPart<C>>,
     /// Summary of the sizes of all particles of the run.
     pub population: Arc<PopulationSummary>,
@@ -84,7 +84,7 @@ pub struct LocalParticles<C> {
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     /// Divides a run among the processes that `communicator` connects. All processes use the summary of sizes of the
-    /// lead process.
+    /// lead process (process 0).
     pub fn new(communicator: Arc<dyn Communicator>, population: PopulationSummary) -> Self {
         let population = unpacked(&communicator.broadcast(packed(&population))).unwrap_or(population);
         Self {
@@ -103,13 +103,13 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         unpacked(&self.communicator.broadcast(packed(&value))).unwrap_or(value)
     }
 
-    /// True if this process is the lead process.
+    /// True if this process is the lead process (process 0).
     pub fn is_lead(&self) -> bool {
         self.communicator.is_lead()
     }
 
     /// Replaces each sum by its total over all processes, if each process stores only its own particles. If the lead
-    /// process stores all particles, the sums do not change.
+    /// process (process 0) stores all particles, the sums do not change.
     pub fn total(&self, sums: &mut [&mut ExactSum]) {
         if self.is_cut {
             self.communicator.total(sums);
@@ -122,7 +122,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
     }
 
     /// Replaces each value by the largest value of all processes, if each process stores only its own particles. If
-    /// the lead process stores all particles, the values do not change.
+    /// the lead process (process 0) stores all particles, the values do not change.
     pub fn largest(&self, values: &mut [f64]) {
         if self.is_cut {
             self.communicator.largest(values);

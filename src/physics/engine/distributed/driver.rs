@@ -35,7 +35,7 @@ impl<S: DistributedSolver> Driver<S> {
 
     /// Moves all particles through the window (time between two exchanges with the gas) by the classical algorithm,
     /// which moves all particles at once. If sharing pays, the processes move the particles together. Otherwise the
-    /// lead process receives all particles and moves them.
+    /// lead process (process 0) receives all particles and moves them.
     pub(in crate::engine) fn by_all(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Result<(), Failure> {
         if let Some(domains) = self.islands.processes.domains() {
             if domains.is_worth_it() && self.solver.shares_steps(work.scene) {

@@ -26,11 +26,11 @@ const SLICE: usize = 1 << 17;
 
 /// Own data of the lead process, kept here while copies of particles of all processes replace these data in the store.
 pub struct GatheredPart<C> {
-    /// Own particles of the lead process.
+    /// Own particles of the lead process (process 0).
     pub particles: Particles,
-    /// Contacts in progress (or recent collisions) among the own particles of the lead process.
+    /// Contacts in progress (or recent collisions) among the own particles of the lead process (process 0).
     pub lasting: Vec<C>,
-    /// Contacts in progress between an own particle of the lead process and a particle of another process.
+    /// Contacts in progress between an own particle of the lead process (process 0) and a particle of another process.
     pub abroad: Vec<CrossRankContact<C>>,
     /// Indices of the own particles that were members of islands (groups of particles that may meet) when islands were
     /// last solved.
@@ -38,9 +38,9 @@ pub struct GatheredPart<C> {
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Distributes all particles and their contacts in progress (or recent collisions) from the lead process to the
-    /// processes that own the blocks (regions of the box). New blocks with about equal numbers of particles are made
-    /// first.
+    /// Distributes all particles and their contacts in progress (or recent collisions) from the lead process (process
+    /// 0) to the processes that own the blocks (regions of the box). New blocks with about equal numbers of particles
+    /// are made first.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         let (domain, size) = (&work.scene.domain, self.communicator.size());
         work.particles.wrap(domain);
@@ -72,9 +72,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.abroad = add_received_contacts::<S>(lasting, work);
     }
 
-    /// Moves all particles and contacts to the lead process, so that the other processes have none. `members` lists
-    /// the particles that were in islands (groups of particles that may meet) when islands were last solved; the
-    /// function adapts their indices.
+    /// Moves all particles and contacts to the lead process (process 0), so that the other processes have none.
+    /// `members` lists the particles that were in islands (groups of particles that may meet) when islands were last
+    /// solved; the function adapts their indices.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         drop(self.gather_sample(solver, work, members, 1));
         if !self.is_lead() {
@@ -86,7 +86,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.is_cut = false;
     }
 
-    /// Replaces the particles of the lead process by copies of particles of all processes, until
+    /// Replaces the particles of the lead process (process 0) by copies of particles of all processes, until
     /// [`scatter`](Self::scatter) is called. Copies are made of all particles whose id is divisible by `every`, and of
     /// those that are in contact with them. All processes must call this function.
     pub fn gather<S: Solve<Carried = C>>(
@@ -99,9 +99,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.gathered = self.gather_sample(solver, work, members, every);
     }
 
-    /// Restores the own particles of the lead process, their contacts in progress and the list `members` of members of
-    /// islands (groups of particles that may meet), after [`gather`](Self::gather) has replaced them by copies.
-    /// Returns false, and changes nothing, if `gather` was not called before.
+    /// Restores the own particles of the lead process (process 0), their contacts in progress and the list `members`
+    /// of members of islands (groups of particles that may meet), after [`gather`](Self::gather) has replaced them by
+    /// copies. Returns false, and changes nothing, if `gather` was not called before.
     pub fn scatter(&mut self, particles: &mut Particles, lasting: &mut Vec<C>, members: &mut Vec<u32>) -> bool {
         let Some(part) = self.gathered.take() else { return false };
         (*particles, *lasting, self.abroad, *members) = (part.particles, part.lasting, part.abroad, part.members);
@@ -139,10 +139,10 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         self.blocks = self.of_lead(Blocks::of(&all.position, self.communicator.size(), domain));
     }
 
-    /// Fills the store of the lead process with copies of particles of all processes: those with an id divisible by
-    /// `every`, and those in contact with them. The lead process returns its own data that were in the store before;
-    /// the other processes return `None`. In the lead process, `members` then lists the copies of particles that were
-    /// in islands (groups of particles that may meet).
+    /// Fills the store of the lead process (process 0) with copies of particles of all processes: those with an id
+    /// divisible by `every`, and those in contact with them. The lead process returns its own data that were in the
+    /// store before; the other processes return `None`. In the lead process, `members` then lists the copies of
+    /// particles that were in islands (groups of particles that may meet).
     fn gather_sample<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

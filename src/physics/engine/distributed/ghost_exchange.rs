@@ -9,7 +9,7 @@ use crate::scene::Scene;
 /// Operations within uniform time steps that involve other processes. The default methods are for a single process,
 /// which stores all particles.
 pub trait GhostExchange {
-    /// True if this process is the lead process, or the only one.
+    /// True if this process is the lead process (process 0), or the only one.
     fn is_lead(&self) -> bool {
         true
     }

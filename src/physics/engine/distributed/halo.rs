@@ -49,8 +49,8 @@ pub struct Names {
     id: Vec<u32>,
 }
 
-/// Data that a process sends to the lead process, for a neighbour list of all particles and a list of all forces that
-/// are not yet applied.
+/// Data that a process sends to the lead process (process 0), for a neighbour list of all particles and a list of all
+/// forces that are not yet applied.
 #[derive(Serialize, Deserialize)]
 struct ListSummary {
     id: Vec<u32>,
@@ -218,8 +218,8 @@ impl Halo {
         abroad
     }
 
-    /// Packs data for the lead process: ids of the own particles, their positions at the time when the neighbour list
-    /// was built, and the forces that are not yet applied.
+    /// Packs data for the lead process (process 0): ids of the own particles, their positions at the time when the
+    /// neighbour list was built, and the forces that are not yet applied.
     pub fn packed(&self, pushes: &[ForceBuffer]) -> Vec<u8> {
         let mut due = Vec::new();
         let id = |index: u32| self.seen.id[index as usize];
@@ -236,9 +236,9 @@ impl Halo {
     }
 }
 
-/// Makes, in the lead process, the neighbour list of all particles and the list of forces that are not yet applied,
-/// from the data `parts` of all processes. The settings of the list are those of `own`, the list of the lead process.
-/// Sorts the particles and contacts of `work` in the order of the new neighbour list.
+/// Makes, in the lead process (process 0), the neighbour list of all particles and the list of forces that are not yet
+/// applied, from the data `parts` of all processes. The settings of the list are those of `own`, the list of the lead
+/// process. Sorts the particles and contacts of `work` in the order of the new neighbour list.
 pub fn list_of_all(parts: &[Vec<u8>], own: &NeighbourList, work: &mut Work<Contact>) -> (NeighbourList, ForceBuffer) {
     let index: FxHashMap<u32, u32> = work.particles.id.iter().copied().zip(0..).collect();
     let mut then = work.particles.clone();

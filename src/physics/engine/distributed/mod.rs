@@ -45,25 +45,25 @@ pub trait Distributed: Engine {
     /// process stores only its own particles.
     fn share(&mut self, communicator: Arc<dyn Communicator>, sample: &Sample, scene: &Scene);
 
-    /// True if each process stores only the particles in its block of the box; false if the lead process stores all
-    /// particles.
+    /// True if each process stores only the particles in its block of the box; false if the lead process (process 0)
+    /// stores all particles.
     fn is_cut(&self) -> bool;
 
     /// Moves the borders of the domains if one process owns many more particles than others. All processes must call
     /// this function, between two windows (times between two exchanges with the gas).
     fn balance(&mut self, particles: &Particles, scene: &Scene);
 
-    /// Replaces the particles of the lead process by copies of particles of all processes: those with an id divisible
-    /// by `every` (with 1, all particles), and those in contact with them. [`scatter`](Self::scatter) undoes this. All
-    /// processes must call this function, between two windows.
+    /// Replaces the particles of the lead process (process 0) by copies of particles of all processes: those with an
+    /// id divisible by `every` (with 1, all particles), and those in contact with them. [`scatter`](Self::scatter)
+    /// undoes this. All processes must call this function, between two windows.
     fn gather(&mut self, particles: &mut Particles, scene: &Scene, every: u32);
 
-    /// Restores the own particles of the lead process, which [`gather`](Self::gather) has replaced by copies. Does
-    /// nothing if `gather` was not called before.
+    /// Restores the own particles of the lead process (process 0), which [`gather`](Self::gather) has replaced by
+    /// copies. Does nothing if `gather` was not called before.
     fn scatter(&mut self, particles: &mut Particles);
 
     /// True if each process can store its own share of the state of the run by [`packed`](Self::packed). If false, all
-    /// particles must first be copied to the lead process, which then stores the state.
+    /// particles must first be copied to the lead process (process 0), which then stores the state.
     fn gives_parts(&self) -> bool;
 
     /// Packs the particles of this process and their contacts in progress into bytes, for storing.
@@ -72,8 +72,8 @@ pub trait Distributed: Engine {
     fn packed(&self, particles: &Particles) -> Vec<u8>;
 
     /// Replaces all particles and contacts in progress by those of a stored run, which consists of `count` parts
-    /// (shares of its particles), packed by [`packed`](Self::packed). In the lead process, and in a run with a single
-    /// process, `next` returns the part with a given number. All processes must call this function.
+    /// (shares of its particles), packed by [`packed`](Self::packed). In the lead process (process 0), and in a run
+    /// with a single process, `next` returns the part with a given number. All processes must call this function.
     fn take_parts(
         &mut self,
         particles: &mut Particles,
@@ -88,12 +88,12 @@ pub trait Distributed: Engine {
 }
 
 /// A solver whose run several processes can share. By default processes share only the islands (groups of particles
-/// that may meet). The lead process alone moves all particles at once by the classical algorithm (uniform steps, or one
-/// event queue).
+/// that may meet). The lead process (process 0) alone moves all particles at once by the classical algorithm (uniform
+/// steps, or one event queue).
 pub trait DistributedSolver: Solver {
     /// Limit of the cost (computing time per simulated time) [ns/s] of a single island (group of particles that may
     /// meet). `None` if the solver does not adapt this limit after each window, the time between two exchanges with
-    /// the gas. All processes adopt the value of the lead process.
+    /// the gas. All processes adopt the value of the lead process (process 0).
     fn allowance(&mut self) -> Option<&mut f64> {
         None
     }
@@ -123,11 +123,11 @@ pub trait DistributedSolver: Solver {
         false
     }
 
-    /// Stores in the lead process the joint neighbour list and the joint forces of all processes. They become part of
-    /// a stored run. Before the call, copies of all particles must be in the lead process.
+    /// Stores in the lead process (process 0) the joint neighbour list and the joint forces of all processes. They
+    /// become part of a stored run. Before the call, copies of all particles must be in the lead process.
     fn gather(&mut self, _work: &mut Work<Lasting<Self>>, _domains: &Domains<Lasting<Self>>) {}
 
-    /// Removes the joint data that [`gather`](Self::gather) has stored in the lead process.
+    /// Removes the joint data that [`gather`](Self::gather) has stored in the lead process (process 0).
     fn scatter(&mut self) {}
 }
 

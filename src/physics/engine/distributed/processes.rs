@@ -55,13 +55,13 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.cut_domains().is_some()
     }
 
-    /// True if this process is the lead process, and its store contains copies of particles of all processes in place
-    /// of its own.
+    /// True if this process is the lead process (process 0), and its store contains copies of particles of all
+    /// processes in place of its own.
     pub fn is_shown(&self) -> bool {
         self.domains.as_ref().is_some_and(|domains| domains.gathered.is_some())
     }
 
-    /// True if this process is the lead process, or the only one.
+    /// True if this process is the lead process (process 0), or the only one.
     pub fn is_lead(&self) -> bool {
         self.domains.as_ref().is_none_or(Domains::is_lead)
     }
@@ -138,17 +138,17 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Distributes the particles from the lead process to the processes that own their blocks (regions of the box), if
-    /// the lead process still stores all particles.
+    /// Distributes the particles from the lead process (process 0) to the processes that own their blocks (regions of
+    /// the box), if the lead process still stores all particles.
     pub fn cut<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| !domains.is_cut) {
             domains.cut(solver, work);
         }
     }
 
-    /// Moves all particles from all processes to the lead process. `members` lists the particles that were in islands
-    /// (groups of particles that may meet) in the last part (interval of time) of a window; the function adapts their
-    /// indices.
+    /// Moves all particles from all processes to the lead process (process 0). `members` lists the particles that were
+    /// in islands (groups of particles that may meet) in the last part (interval of time) of a window; the function
+    /// adapts their indices.
     pub fn assemble<S: Solve<Carried = C>>(&mut self, solver: &S, work: &mut Work<C>, members: &mut Vec<u32>) {
         if let Some(domains) = self.domains.as_mut().filter(|domains| domains.is_cut) {
             domains.assemble(solver, work, members);
@@ -156,8 +156,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Replaces all particles and contacts in progress by those of a stored run, which consists of `count` packed
-    /// parts. In the lead process, `next` returns the part with a given number. Each process keeps the particles in
-    /// its block (region of the box), among blocks of equal size; a single process keeps all particles.
+    /// parts. In the lead process (process 0), `next` returns the part with a given number. Each process keeps the
+    /// particles in its block (region of the box), among blocks of equal size; a single process keeps all particles.
     pub fn take_parts<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

@@ -38,8 +38,8 @@ pub struct SharedSteps {
     /// Total number of entries in the neighbour lists of all processes (pairs, and particles with walls, that may
     /// touch soon), each counted once; `None` if the processes have not shared the building of a list.
     pub slots: Option<usize>,
-    /// Neighbour list of all particles and forces that are not yet applied. They are stored only while the lead process
-    /// has copies of all particles; otherwise `None`.
+    /// Neighbour list of all particles and forces that are not yet applied. They are stored only while the lead
+    /// process (process 0) has copies of all particles; otherwise `None`.
     pub shown: Option<(NeighbourList, ForceBuffer)>,
 }
 
@@ -258,7 +258,7 @@ impl SoftSolver {
         result
     }
 
-    /// Begins shared steps at a time when the lead process stores all particles.
+    /// Begins shared steps at a time when the lead process (process 0) stores all particles.
     ///
     /// If the lead process has a neighbour list in use, the particles are distributed when the list is next built.
     /// Until then the other processes store no particles. Otherwise the particles are distributed at once.
@@ -289,8 +289,8 @@ impl SoftSolver {
         }
     }
 
-    /// Makes, in the lead process, the joint neighbour list and the joint list of forces that are not yet applied, for
-    /// a stored run. Before the call, the lead process must have copies of all particles.
+    /// Makes, in the lead process (process 0), the joint neighbour list and the joint list of forces that are not yet
+    /// applied, for a stored run. Before the call, the lead process must have copies of all particles.
     fn show_all(&mut self, work: &mut Work<Contact>, domains: &Domains<Contact>) {
         let Some(halo) = &self.shared.halo else { return };
         let parts = domains.communicator().collect(halo.packed(&self.pushes));

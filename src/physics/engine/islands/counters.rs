@@ -37,7 +37,7 @@ pub struct IslandCounters {
     /// Number of members of the largest island (group of particles that may meet) that was solved.
     pub largest: u64,
     /// Number of islands whose result was discarded, because a particle met an unexpected particle or exceeded its
-    /// speed limit, or because the island cost too much and became a crowd.
+    /// speed limit, or because the island cost too much and became a crowd (moved by uniform steps).
     pub redone: u64,
 }
 

@@ -4,9 +4,9 @@
 use super::Member;
 use super::bounded::BoundedIslands;
 
-/// [-] limit of the gap between a member of a crowd and a particle that is added to the crowd, divided by the distance
-/// of their centres at touch. In a gas few particles are so near, so adding them costs little. Otherwise the crowd
-/// would be solved again for each particle that it pushes.
+/// [-] limit of the gap between a member of a crowd (an island moved by uniform steps) and a particle that is added to
+/// the crowd, divided by the distance of their centres at touch. In a gas few particles are so near, so adding them
+/// costs little. Otherwise the crowd would be solved again for each particle that it pushes.
 const BESIDE: f64 = 0.05;
 
 /// All members are sorted into cells again if the number of late members exceeds this number plus an eighth of the
@@ -39,8 +39,8 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Makes the particle at `index` in the store a member of the crowd `which`, if it is in no island (group of
-    /// particles that may meet).
+    /// Makes the particle at `index` in the store a member of the crowd `which` (an island moved by uniform steps), if
+    /// the particle is in no island.
     fn take_in(&mut self, which: usize, index: u32) {
         if self.search.label[index as usize].is_none() {
             let alone = self.cluster_of(index);
@@ -50,7 +50,7 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Indices of the particles that are in no island (group of particles that may meet), next to a member of a crowd,
+    /// Indices of the particles that are in no island, next to a member of a crowd (an island moved by uniform steps),
     /// and within reach of this member. Empty if the surroundings of the member have already been searched with the
     /// reach that it has now.
     fn find_beside(&mut self, member: u32) -> Vec<u32> {
