@@ -208,7 +208,7 @@ impl Bound {
     /// steps have moved all particles. An energy that is not a number passes this check, because other checks find it.
     ///
     /// # Errors
-    /// [`Failure::EnergyGrew`].
+    /// Returns [`Failure::EnergyGrew`] if the energy has grown by more.
     pub fn check(&self, time: f64, uniform: bool, energy: f64, elastic: f64, record: &Record) -> Result<(), Failure> {
         let ledger = &record.ledger;
         let grown = energy - self.start - ledger.work();
