@@ -9,10 +9,12 @@ use diptych::engine::dsmc::Dsmc;
 use diptych::engine::hard::Hard;
 use diptych::engine::hybrid::Hybrid;
 use diptych::experiment::{DsmcSettings, Integrator, Model};
+use diptych::neighbours::NeighbourList;
 use diptych::placement::initial_state;
 use diptych::simulation::Simulation;
 use diptych::study::plan_of;
 use diptych::{Particles, Scene, Vector3};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// [N/m] stiffness of soft spheres of unit mass: an elastic contact lasts π/sqrt(2 k) = 0.022 s.
@@ -376,5 +378,27 @@ fn files_of_a_sheared_box_tell_its_offset_and_its_stress() {
         let column = names.iter().position(|column| *column == name).unwrap();
         let value: f64 = last[column].parse().unwrap();
         assert!(value != 0.0 && (name == "shear_work_J" || value < 0.0), "{name} {value}");
+    }
+}
+
+/// The neighbour list of a sheared box has all pairs whose gap is below its skin, also those across the sheared sides.
+#[test]
+fn lists_have_all_pairs_within_the_skin_across_sheared_sides() {
+    for (count, phi) in [(2000, 0.02), (2000, 0.3)] {
+        let (scene, mut particles) = gas(count, phi, 1.0, 5);
+        let scene = scene.at(0.3);
+        let mut list = NeighbourList::default();
+        list.build(&mut particles, &scene, 20.0 * STEP);
+        let reach = 1.0 + list.skin();
+        let x = &particles.position;
+        let near = |i: usize, j: usize| scene.domain.separation(&x[i], &x[j]).norm() < reach;
+        let ordered = |i: usize, j: usize| (i.min(j), i.max(j));
+        let all = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
+        let wanted: BTreeSet<_> = all.filter(|&(i, j)| near(i, j)).collect();
+        let found: BTreeSet<_> = list.pairs.iter().map(|pair| ordered(pair.i as usize, pair.j as usize)).collect();
+        assert!(wanted.len() > 100 && list.pairs.len() == found.len(), "a pair is listed twice");
+        let across = |(i, j): &&(usize, usize)| (x[*i].y - x[*j].y).abs() > 0.5 * scene.domain.size.y;
+        assert!(wanted.iter().filter(across).count() > 10);
+        assert_eq!(wanted.difference(&found).count() + found.difference(&wanted).count(), 0, "φ = {phi}");
     }
 }

@@ -37,7 +37,8 @@ impl NeighbourList {
         let ball = |i: usize| (particles.position[i], particles.radius[i] + 0.5 * skin);
         packed.fill(&indices, ball, region);
         for i in 0..particles.len() {
-            let (position, reach) = ball(i);
+            // the levels know radii without the skin, so the whole skin belongs to this particle
+            let (position, reach) = (particles.position[i], particles.radius[i] + skin);
             let search_radius = reach + levels.largest_reach();
             if position.y >= search_radius {
                 continue;
