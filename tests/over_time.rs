@@ -125,6 +125,9 @@ fn driven_scenes_have_no_closed_form() {
     box_of_one.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface(0.9, 0.0))];
     let start = [Vector3::new(0.01, 0.01, 0.01), Vector3::zeros()];
     assert!(Bouncing::of(&lasting(&box_of_one, 1.0), start).is_some());
+    let mut belt = box_of_one.clone();
+    belt.walls[0].velocity = Vector3::new(0.0, 0.0, 1.0);
+    assert!(Bouncing::of(&lasting(&belt, 1.0), start).is_none(), "a wall that moves");
     box_of_one.walls[0].thermal = Some(ThermalWall { temperature: 1.0, seed: 1 });
     assert!(Bouncing::of(&lasting(&box_of_one, 1.0), start).is_none(), "a thermal wall gives another speed");
 }

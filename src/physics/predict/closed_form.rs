@@ -141,6 +141,9 @@ impl Bouncing {
         let (up, gravity, radius) = (-scene.gravity.try_normalize(0.0)?, scene.gravity.norm(), 0.5 * species.diameter);
         let smooth = Surface::new(1.0, 0.0);
         let (mut floor, mut ceiling) = ((f64::NEG_INFINITY, smooth), (f64::INFINITY, smooth));
+        if scene.walls.iter().any(|wall| wall.surface_moves() || wall.roughness.is_some()) {
+            return None;
+        }
         for wall in &scene.walls {
             let plane = wall.geometry.plane()?;
             let (along, surface) = (plane.normal.dot(&up), wall.surface);
