@@ -73,6 +73,19 @@ fn waves_have_their_wavelength_and_symmetry() {
     }
 }
 
+/// Columns that are high and low in turn have the shortest wave, which the transform gives only once.
+#[test]
+fn the_shortest_wave_is_counted_once() {
+    for along_x in [true, false] {
+        let height =
+            |x: f64, z: f64| 10.0 + if (if along_x { x } else { z }).floor() % 2.0 == 0.0 { 0.5 } else { -0.5 };
+        let found = seen(&layer(true), FLAT, with_heights(height));
+        close("contrast", number(&found, "contrast").value, 0.5, 1e-12);
+        let sum: f64 = found.curves[0].values.iter().map(|power| power.unwrap().value).sum();
+        close("variance", sum, 0.25, 1e-5);
+    }
+}
+
 #[test]
 fn the_highest_sphere_counts_and_empty_columns_have_the_median() {
     let experiment = layer(true);

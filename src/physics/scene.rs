@@ -457,7 +457,7 @@ impl Scene {
     /// [m/s] speed below which particles under gravity g count as at rest. It is a hundredth of sqrt(g d) with the
     /// smallest diameter d, so that they rise by less than d/20,000; 0 without gravity.
     pub fn rest_speed(&self) -> f64 {
-        0.01 * (self.gravity.norm() * self.smallest_diameter()).sqrt()
+        if self.species.is_empty() { 0.0 } else { 0.01 * (self.gravity.norm() * self.smallest_diameter()).sqrt() }
     }
 
     /// [-] restitution between particles; `None` unless it is the same for all pairs of species, at all speeds.

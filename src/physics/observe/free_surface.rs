@@ -165,6 +165,8 @@ impl FreeSurface {
                 (0..=across / 2).map(|n| transform(n as i64, &row)).collect()
             })
             .collect();
+        // with an even number of columns, the shortest wave and its conjugate are the same number of the transform
+        let share = |k: usize, count: usize| if 2 * k == count { 0.5 } else { 1.0 };
         let longest = self.edges[0].max(self.edges[1]);
         let shells = shells(self.edges, self.columns);
         let half = (along / 2) as i64;
@@ -173,7 +175,8 @@ impl FreeSurface {
             let column: Vec<Complex<f64>> = rows.iter().map(|row| row[n]).collect();
             let from = if n == 0 { 1 } else { -half };
             for m in from..=half {
-                let power = 2.0 * transform(m, &column).norm_sqr() / weight;
+                let counted = 2.0 * share(n, across) * share(m.unsigned_abs() as usize, along);
+                let power = counted * transform(m, &column).norm_sqr() / weight;
                 let f = [n as f64 / self.edges[0] * longest, m as f64 / self.edges[1] * longest];
                 waves.push((f[0].hypot(f[1]), f[1].atan2(f[0]), power));
             }

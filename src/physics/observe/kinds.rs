@@ -145,10 +145,21 @@ fn weighted_mean(near: f64, values: impl Iterator<Item = (f64, f64)>) -> f64 {
     if all > 0.0 { near + sum / all } else { near }
 }
 
+/// Average over several replicas (runs with different seeds), given the average of each run. If `by_runs` is true, the
+/// error follows from the scatter between the runs; otherwise from the errors of the runs.
+fn mean_of_runs(runs: impl Iterator<Item = Option<Estimate>>, by_runs: bool) -> Option<Estimate> {
+    if !by_runs {
+        return Estimate::mean_of(runs);
+    }
+    let values: Option<Vec<f64>> = runs.map(|run| Some(run?.value)).collect();
+    Batches::of_runs(vec![values?]).estimate()
+}
+
 impl KindAverages {
     /// Averages over several replicas (runs with different seeds), with the impacts of all of them. If `by_runs` is
-    /// true, each run is one block for the errors of `profiles` and `batches`, as in [`Batches::pool`]. All other
-    /// errors follow from the errors of the runs. Curves over time are those of the first run.
+    /// true, all errors follow from the scatter between the runs. Otherwise the errors of `profiles` and `batches` follow
+    /// from the blocks of all runs, as in [`Batches::pool`], and all other errors from the errors of the runs. Curves
+    /// over time are those of the first run.
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some((first, others)) = runs.split_first() else { return Self::default() };
         let species = first.species.iter().enumerate().map(|(place, own)| {
@@ -158,9 +169,9 @@ impl KindAverages {
                 // inlets and outlets make the numbers of particles differ between the runs
                 count: mean(|one| one.count as f64).round() as usize,
                 number_density: mean(|one| one.number_density),
-                velocity: Estimate::mean_of(each().map(|one| one.velocity)),
-                temperature: Estimate::mean_of(each().map(|one| one.temperature)),
-                random_energy: Estimate::mean_of(each().map(|one| one.random_energy)),
+                velocity: mean_of_runs(each().map(|one| one.velocity), by_runs),
+                temperature: mean_of_runs(each().map(|one| one.temperature), by_runs),
+                random_energy: mean_of_runs(each().map(|one| one.random_energy), by_runs),
                 profiles: ProfileTable::pool(&each().map(|one| &one.profiles).collect::<Vec<_>>(), by_runs),
                 batches: [0, 1, 2].map(|which| pool(each().map(|one| &one.batches[which]), by_runs)),
                 ..own.clone()
@@ -176,7 +187,7 @@ impl KindAverages {
             }
             let of_runs: Vec<Option<&MeetingAverages>> =
                 runs.iter().map(|run| run.meetings.iter().find(|other| known(met, other))).collect();
-            meetings.push(MeetingAverages::pool(met, &of_runs));
+            meetings.push(MeetingAverages::pool(met, &of_runs, by_runs));
         }
         Self { species: species.collect(), meetings, curves: first.curves.clone() }
     }
@@ -185,17 +196,18 @@ impl KindAverages {
 impl MeetingAverages {
     /// Impacts of one pair of kinds (species or walls) in several runs together. `first` supplies the names and the
     /// prescribed restitution. An entry of `runs` is `None` if the pair had no impact in that run.
-    fn pool(first: &Self, runs: &[Option<&Self>]) -> Self {
+    fn pool(first: &Self, runs: &[Option<&Self>], by_runs: bool) -> Self {
         let met = || runs.iter().flatten();
         let count: u64 = met().map(|one| one.count).sum();
         let weighted = |of: fn(&Self) -> Option<f64>| {
-            let sum: f64 = met().filter_map(|one| of(one).map(|value| value * one.count as f64)).sum();
-            (count > 0).then(|| sum / count as f64)
+            let known = || met().filter_map(|one| Some((of(one)?, one.count as f64)));
+            let all: f64 = known().map(|(_, count)| count).sum();
+            (all > 0.0).then(|| known().map(|(value, count)| value * count).sum::<f64>() / all)
         };
         let never = first.rate.map(|_| Estimate { value: 0.0, error: None });
         Self {
             count,
-            rate: Estimate::mean_of(runs.iter().map(|run| run.map_or(never, |one| one.rate))),
+            rate: mean_of_runs(runs.iter().map(|run| run.map_or(never, |one| one.rate)), by_runs),
             normal_speed: weighted(|one| one.normal_speed),
             restitution_asked: weighted_mean(
                 first.restitution_asked,
@@ -203,7 +215,7 @@ impl MeetingAverages {
             ),
             // mean of the ratios of energies after and before, weighted by the numbers of impacts; impacts of one pair
             // of kinds have similar energies
-            restitution: weighted(|one| one.restitution.map(|e| e * e)).filter(|square| *square > 0.0).map(f64::sqrt),
+            restitution: weighted(|one| one.restitution.map(|e| e * e)).map(f64::sqrt),
             ..first.clone()
         }
     }
@@ -438,12 +450,36 @@ mod tests {
     fn prescribed_restitutions_are_pooled() {
         let runs = [met(67, 0.8), met(75, 0.8), met(3, 0.8)];
         assert_eq!(
-            MeetingAverages::pool(&runs[0], &[Some(&runs[0]), Some(&runs[1]), Some(&runs[2])]).restitution_asked,
+            MeetingAverages::pool(&runs[0], &[Some(&runs[0]), Some(&runs[1]), Some(&runs[2])], false).restitution_asked,
             0.8
         );
         let runs = [met(1, 0.5), met(3, 0.7)];
-        let pooled = MeetingAverages::pool(&runs[0], &[Some(&runs[0]), None, Some(&runs[1])]).restitution_asked;
+        let pooled = MeetingAverages::pool(&runs[0], &[Some(&runs[0]), None, Some(&runs[1])], false).restitution_asked;
         assert!((pooled - 0.65).abs() < 1e-15, "{pooled}");
         assert_eq!(weighted_mean(0.3, std::iter::empty()), 0.3);
+    }
+
+    /// Errors of particles that do not mix come from the scatter between the runs: the values 1, 2 and 3 have the
+    /// standard deviation 1, and their mean the error 1/sqrt(3).
+    #[test]
+    fn errors_come_from_the_runs_on_demand() {
+        let run = |value: f64| MeetingAverages { rate: Some(Estimate::new(value, 1e-6)), ..met(1, 0.9) };
+        let runs = [run(1.0), run(2.0), run(3.0)];
+        let pooled = |by_runs: bool| {
+            MeetingAverages::pool(&runs[0], &runs.iter().map(Some).collect::<Vec<_>>(), by_runs).rate.unwrap()
+        };
+        assert!((pooled(true).value - 2.0).abs() < 1e-15 && pooled(false).error.unwrap() < 1e-6);
+        assert!((pooled(true).error.unwrap() - 3.0_f64.sqrt().recip()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_restitution_of_zero_is_a_known_value() {
+        let run = |restitution: Option<f64>| MeetingAverages { restitution, ..met(2, 0.0) };
+        let pooled = |one: Option<f64>, other: Option<f64>| {
+            let runs = [run(one), run(other)];
+            MeetingAverages::pool(&runs[0], &[Some(&runs[0]), Some(&runs[1])], false).restitution
+        };
+        assert_eq!((pooled(Some(0.0), Some(0.0)), pooled(None, None)), (Some(0.0), None));
+        assert_eq!(pooled(Some(0.5), None), Some(0.5));
     }
 }

@@ -49,15 +49,20 @@ impl ProfileTable {
         self.batches.get(slice)?.get(column.index)?.as_ref()
     }
 
-    /// Averages over several replicas (runs with different seeds). A value is unknown if it, or its error, is unknown
-    /// in one of the runs. The standard errors come from the blocks of all runs or, if `by_runs` is true, from the
-    /// scatter between the runs (see [`Batches::pool`]).
+    /// Averages over several replicas (runs with different seeds). A value is unknown if it is unknown in one of the
+    /// runs. The standard errors come from the blocks of all runs. If `by_runs` is true, or if an error is unknown in
+    /// one of the runs, they come from the scatter between the runs (see [`Batches::pool`]).
     pub fn pool(runs: &[&Self], by_runs: bool) -> Self {
         let Some(first) = runs.first() else { return Self::default() };
         let batches = |slice: usize| -> Vec<Option<Batches>> {
             let one = |column: SliceColumn| {
                 let known: Option<Vec<&Batches>> = runs.iter().map(|run| run.batches(slice, column)).collect();
-                Batches::pool(&known?, by_runs)
+                if let Some(known) = known {
+                    return Batches::pool(&known, by_runs);
+                }
+                let value = |run: &&Self| Some(run.slices.get(slice)?.of(column)?.value);
+                let values: Option<Vec<f64>> = runs.iter().map(value).collect();
+                Some(Batches::of_runs(vec![values?]))
             };
             SLICE_COLUMNS.into_iter().map(one).collect()
         };
@@ -77,5 +82,26 @@ impl SliceRow {
     /// Average of one quantity in this slice, in the SI unit of the quantity; `None` if it is unknown.
     pub fn of(&self, column: SliceColumn) -> Option<Estimate> {
         self.estimates[column.index]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Runs that are too short for errors of their own have a common mean, with an error from their scatter.
+    #[test]
+    fn short_runs_have_a_mean_and_an_error_together() {
+        let run = |value: f64| {
+            let mut estimates = [None; SLICE_QUANTITIES];
+            estimates[0] = Some(Estimate::without_error(value));
+            ProfileTable { slices: vec![SliceRow { y: 0.5, estimates, samples: 1 }], ..ProfileTable::default() }
+        };
+        let runs = [run(1.0), run(2.0), run(3.0)];
+        let pooled = ProfileTable::pool(&runs.iter().collect::<Vec<_>>(), false);
+        let [Some(first), None] = [pooled.slices[0].estimates[0], pooled.slices[0].estimates[1]] else { panic!() };
+        assert!((first.value - 2.0).abs() < 1e-15 && (first.error.unwrap() - 3.0_f64.sqrt().recip()).abs() < 1e-12);
+        let two = ProfileTable::pool(&[&runs[0], &runs[1]], false).slices[0].estimates[0].unwrap();
+        assert_eq!((two.value, two.error), (1.5, None));
     }
 }
