@@ -17,7 +17,7 @@
 //! momentum with the gas. The remainder of the budget is due to chance and to the width of the slices. The impact term
 //! includes the momentum that impacts carry over the distance between two centres.
 
-use super::Observer;
+use super::{Observer, is_averaged};
 use crate::exact::Groups;
 use crate::fluid::{Fluid, LocalFractions};
 use crate::schedule::Schedule;
@@ -246,7 +246,7 @@ impl SecondMoments {
     /// Budgets averaged over the parts of the run that begin at `from` [s] or later; `None` if there are no such
     /// parts, or if a slice contained no particle.
     pub fn budgets(&self, from: f64) -> Option<Budgets> {
-        let used: Vec<&MomentBlock> = self.parts.iter().filter(|part| part.start >= from * (1.0 - 1e-9)).collect();
+        let used: Vec<&MomentBlock> = self.parts.iter().filter(|part| is_averaged(part.start, from)).collect();
         let from = used.first()?.start;
         let size = used.len().div_ceil(BLOCKS);
         let whole = self.terms(&used)?;
