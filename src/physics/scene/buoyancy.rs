@@ -1,4 +1,4 @@
-//! Weight of the particles in the gas around them. A window is the time between two exchanges with the gas.
+//! Weight, buoyancy and added mass of the particles in the gas around them.
 
 use super::{Scene, Species};
 use crate::fluid::Buoyancy;
@@ -37,7 +37,7 @@ impl Scene {
     ///
     /// Engines use one acceleration for all particles: [`gravity`](Self::gravity), which becomes that of the densest
     /// species. The simulation adds the differences of the other species in half-kicks (changes of the velocities for
-    /// half a window) before and after each window. The free flight of such a species is exact, and the error in its
+    /// half a window, the time between two exchanges with the gas) before and after each window. The free flight of such a species is exact, and the error in its
     /// contacts is of second order in the window.
     pub fn add_buoyancy(&mut self) {
         let gravity = self.gravity;

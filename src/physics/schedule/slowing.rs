@@ -2,6 +2,7 @@
 //! between two exchanges with the gas) may become longer.
 
 use super::{DragScales, motion};
+use crate::drag::Drag;
 use crate::experiment::{Experiment, Population};
 use crate::fluid::Profile;
 use crate::predict::flow::terminal_slip;
@@ -27,7 +28,7 @@ pub(super) struct Slowing<'a> {
 
 impl<'a> Slowing<'a> {
     /// Makes the upper limit for an experiment. `None` if there is no such limit, because drag is absent, the gas
-    /// moves, or the scene [adds energy](is_fed). `None` also if several species, several sizes or a start without
+    /// moves, the calling program defines the drag law, or the scene [adds energy](is_fed). `None` also if several species, several sizes or a start without
     /// speed make the limit useless.
     pub(super) fn of(experiment: &'a Experiment) -> Option<Self> {
         if is_fed(&experiment.scene) {
@@ -35,7 +36,9 @@ impl<'a> Slowing<'a> {
         }
         let fluid =
             experiment.scene.fluid.as_ref().filter(|fluid| fluid.drag.is_some() && fluid.turbulence.is_none())?;
-        let still = matches!(fluid.profile, Profile::Uniform(0.0));
+        // the power of a law of the calling program may not be convex
+        let is_known = !matches!(fluid.drag, Some(Drag::Other(_)));
+        let still = matches!(fluid.profile, Profile::Uniform(0.0)) && is_known;
         let of_one_kind =
             !experiment.scene.has_sizes() && experiment.start.windows(2).all(|two| two[0].species == two[1].species);
         let speeds = experiment.start.iter().map(|population| {
@@ -55,7 +58,8 @@ impl<'a> Slowing<'a> {
             let fluid = scene.fluid.as_ref()?;
             let (drag, species) = (fluid.drag.as_ref()?, &scene.species[usize::from(population.species)]);
             let gravity = scene.gravity_of(species).norm();
-            let sphere = fluid.sphere(species).among(experiment.fraction_for_drag());
+            // the drag of a sphere alone is the weakest that a law for suspensions has anywhere in the box
+            let sphere = fluid.sphere(species);
             let fall = terminal_slip(drag, &sphere, gravity).min(gravity * experiment.run.duration);
             let fastest = speed * drag.law().decay(&sphere, *speed, time) + fall;
             Some(DragScales::at(experiment, species, [fastest, fastest / 3.0_f64.sqrt()])?.longest_window())
