@@ -86,6 +86,7 @@ fn bad_input_leaves_nothing_behind() {
         &["run", CASE, "--model", "firm"],
         &["run", CASE, "--threads", "0"],
         &["impact", CASE],
+        &["impact", "impact", "--set", "run.duration=0 s"],
         &["fluid", "cases/impact.toml"],
     ] {
         let output = into(&folder, arguments);

@@ -321,6 +321,15 @@ fn local_stepping_is_for_windows_of_many_steps() {
     assert_eq!(long.engine, Some(EngineChoice::SoftLocal), "{long:?}");
 }
 
+#[test]
+fn a_plan_of_no_time_ends() {
+    for name in ["quick", "column", "bouncing-sphere"] {
+        let output = diptych(&["plan", name, "--set", "run.duration=0 s"]);
+        let told = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success() && told.contains("Cost of 0 s"), "{name}: {told}");
+    }
+}
+
 /// A window of this run contains about 10⁹ collisions. A part of the window is timed, and the cost is extrapolated to
 /// the whole run.
 #[test]

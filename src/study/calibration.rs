@@ -330,10 +330,13 @@ pub fn costs(experiment: &Experiment, start: &Particles, law: Option<ContactLaw>
 /// Times some windows (times between two exchanges with the gas) of a run that begins with the particles `start`, and
 /// extrapolates to the whole run. The timing ends after the share `most` [-] of the run, or after the wall time
 /// `PATIENCE`, whichever comes first. Other programs on the machine slow the timing down as they would slow down the
-/// run.
+/// run. A run without windows takes no time.
 pub fn timed(experiment: &Experiment, start: &Particles, most: f64) -> Timed {
     let schedule = Schedule::new(experiment);
     let windows = schedule.windows_per_sample as f64 * schedule.samples as f64;
+    if windows == 0.0 || schedule.window == 0.0 {
+        return Timed { seconds: 0.0, windows: 0, memory: resident(), failure: None };
+    }
     let mut simulation = Simulation::new(experiment, start.clone());
     let parts = match (experiment.model(), experiment.soft.stepping) {
         // with uniform steps all parts of a window cost equally much, so it is enough to time a part of the window

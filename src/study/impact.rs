@@ -140,8 +140,16 @@ fn sentence(bounce: &Bounce, surface: &Surface) -> String {
     }
 }
 
-/// Refuses a soft impact with so many time steps that its path would fill the memory. The path has one point per step.
+/// Refuses an impact without duration, and a soft impact with so many time steps that its path would fill the memory.
+/// The path has one point per step.
 fn check_path(experiment: &Experiment, particles: usize, case: &Path) -> Result<(), StudyError> {
+    if experiment.run.duration == 0.0 {
+        return Err(StudyError::Input(format!(
+            "error: {}: the impact \"{}\" lasts for 0 s\nhelp: give a `run.duration` of a few contact times",
+            case.display(),
+            experiment.name
+        )));
+    }
     let steps = experiment.run.duration / soft_step(experiment, particles);
     if experiment.model() != Model::Soft || steps <= MOST_POINTS {
         return Ok(());

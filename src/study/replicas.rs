@@ -32,8 +32,8 @@ pub fn replicas(experiment: &Experiment, count: u16) -> Result<Vec<Experiment>, 
 /// outcome, and the separate outcomes of the replicas after the first one. Profiles, temperature, rates, averages of
 /// species and measurements are averages over the replicas. The outcome is steady if more than half of the replicas
 /// are steady. Other results, such as times and energy balances, are those of the first replica that has not failed.
-/// Failed replicas are left out unless all have failed. In either case the outcome contains the failure of one of
-/// them.
+/// Failed replicas are left out unless all have failed. If any replica has failed, the outcome contains the failure
+/// of the first of these.
 pub fn pool(first: Outcome, others: Vec<Outcome>) -> (Outcome, Vec<Outcome>) {
     let failure = std::iter::once(&first).chain(&others).find_map(|run| run.failure.clone());
     let (mut rest, failed): (Vec<Outcome>, Vec<Outcome>) = others.into_iter().partition(|run| run.failure.is_none());

@@ -75,9 +75,9 @@ pub struct MeasuredPoint {
 }
 
 impl JudgeSide {
-    /// Reads all files of one side (A or B) of a comparison. `argument` is a list of the files, separated by commas;
-    /// without it, the settings `file` name the files, relative to `folder`. `key` is the letter of the side, for
-    /// messages.
+    /// Reads all files of one side (A or B) of a comparison. `argument` is the list of the files in the command,
+    /// separated by commas. If it is `None`, the table `file` of `judge.toml` names the files, relative to `folder`.
+    /// `key` is the letter of the side, for messages.
     ///
     /// # Errors
     /// Returns an error if a file cannot be read, if it has no column of times, or if its times do not increase.
