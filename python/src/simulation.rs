@@ -61,6 +61,15 @@ impl Every {
     }
 }
 
+/// Setting of a key as text, as after `--set`. The two values of a condition are written in TOML as `true` and `false`.
+fn setting(key: &Bound<'_, PyAny>, value: &Bound<'_, PyAny>) -> PyResult<String> {
+    let text = match value.extract::<bool>() {
+        Ok(is_true) => is_true.to_string(),
+        Err(_) => value.str()?.to_string(),
+    };
+    Ok(format!("{key}={text}"))
+}
+
 fn model_of(name: &str) -> PyResult<Model> {
     let found = MODELS.into_iter().find(|model| model.name() == name);
     let names = MODELS.map(Model::name).join(", ");
@@ -163,7 +172,7 @@ impl Simulation {
         threads: Option<usize>,
         start: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let sets = set.into_iter().flatten().map(|(key, value)| Ok(format!("{key}={}", value.str()?)));
+        let sets = set.into_iter().flatten().map(|(key, value)| setting(&key, &value));
         let case = scene::read(py, (case, text), &sets.collect::<PyResult<Vec<String>>>()?, start)?;
         let model = model.map(model_of).transpose()?;
         let checked = case.experiment(model, seed).map_err(|why| InputError::new_err(why.to_string()));

@@ -67,6 +67,10 @@ class Bits(unittest.TestCase):
         self.assertGreater(whole.windows, 10)
         self.assertTrue(stepped.state().equals(whole.state()))
 
+    def test_a_setting_may_be_true_or_false(self):
+        with_weight = diptych.Simulation(CASES / "quick.toml", model="hard", set={**SHORT, "fluid.buoyancy": False})
+        self.assertGreater(len(with_weight.positions), 0)
+
     def test_threads_and_a_text_change_no_bit(self):
         one = short(threads=1)
         two = short(threads=2)

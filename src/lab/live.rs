@@ -165,7 +165,9 @@ impl LiveView {
     /// of the run: `running` or `over`.
     pub fn show(&mut self, simulation: &Simulation, state: &'static str) {
         let (now, time) = (self.clock.now(), simulation.time);
-        let at_start = *self.at_start.get_or_insert_with(|| simulation.energy());
+        // the first frame may show a later instant, so the energy at the start is that by the balance up to then
+        let ledger = &simulation.record.ledger;
+        let at_start = *self.at_start.get_or_insert_with(|| ledger.residual(0.0, simulation.energy()));
         self.add_row(simulation);
         if now >= self.judged + VERDICT || state == "over" {
             self.sentence = self.motion.as_ref().map_or(String::new(), |motion| sentence(motion, self.average_from));
