@@ -16,7 +16,8 @@ pub struct SweepObservable {
     pub name: &'static str,
     /// Label of the axis of this quantity in pictures, with the unit.
     pub axis: &'static str,
-    /// True for an average over time. The error of an average is valid only for a steady run whose particles mix.
+    /// True for an average over time. The error of an average is valid only for a steady run whose
+    /// particles change their places often.
     pub is_average: bool,
     /// Function that computes the quantity from an outcome, or returns `None` if the outcome does not contain it.
     pub of: fn(&Outcome) -> Option<Estimate>,

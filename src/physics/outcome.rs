@@ -58,10 +58,10 @@ pub struct Outcome {
     /// [1/s] number of collisions with walls per time, over the averaging period; `None` without samples.
     pub wall_rate: Option<Estimate>,
     /// [-] restitution of impacts between particles, measured over the whole run; `None` without an impact. The
-    /// estimate has no error if too few intervals between samples (instants of measurement) had an impact.
+    /// estimate has no standard error if too few intervals between samples (instants of measurement) had an impact.
     pub pair_restitution: Option<Estimate>,
     /// [-] restitution of impacts at walls, measured over the whole run; `None` without an impact at a wall. The
-    /// estimate has no error if too few intervals between samples (instants of measurement) had such an impact.
+    /// estimate has no standard error if too few intervals between samples (instants of measurement) had such an impact.
     pub wall_restitution: Option<Estimate>,
     /// [m²/s²] granular temperature over the averaging period: a third of the variance of the velocities about the mean
     /// of each slice at the same instant. `None` without samples.

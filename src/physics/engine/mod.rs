@@ -222,7 +222,7 @@ pub enum Failure {
         /// [-] limit of the ratio of overlap to diameter.
         limit: f64,
         /// [-] path of the centre within the step, divided by the diameter, if the centre has passed through the
-        /// surface of a wall between two checks; otherwise `None`.
+        /// surface of a wall in this step; otherwise `None`.
         way: Option<f64>,
     },
     /// The soft time step exceeds the stability limit of the integrator: the oscillation of a long contact would grow.

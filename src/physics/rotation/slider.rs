@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Quantity that a contact stores while its stiffness changes with the overlap. Only [`Rescaled`](Self::Rescaled)
-/// creates no energy in any closed cycle of pressing and shearing.
+/// Quantity that a contact stores of its tangential spring, whose stiffness changes with the overlap: the force, or the
+/// shear. Only [`Rescaled`](Self::Rescaled) creates no energy in any closed cycle of pressing and shearing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpringHistory {

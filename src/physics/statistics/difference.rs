@@ -350,8 +350,8 @@ impl Smooth {
         }
     }
 
-    /// Difference of the mean over all positions: the coefficient of the first shape, which must be uniform. `None`
-    /// without shapes.
+    /// Difference of the mean over all positions. It is the coefficient of the first of the shapes (polynomials across
+    /// the profile), which must be a constant. `None` without shapes.
     fn mean(&self, rounding: f64) -> Option<Deviation> {
         (!self.shapes.is_empty()).then(|| deviation(&self.contrast, 0, None, rounding))
     }

@@ -45,7 +45,7 @@ pub enum GivenUp {
     /// failure.
     Failed,
     /// The island (group of particles that may meet) costs too much. It becomes a crowd, an island that is moved by
-    /// uniform steps. If the engine does not take crowds, the classical algorithm moves all particles at once.
+    /// uniform steps. If the engine does not take crowds, uniform steps or one event queue move all particles of the run.
     TooExpensive,
 }
 

@@ -1,6 +1,6 @@
-//! One island (a group of particles that may meet) as a small scene, which an engine can solve separately. *Hot*
-//! particles are its members, which have speed limits relative to a moving frame; *bystanders* are particles that fly
-//! straight unless a member hits them. A part is a piece of a window, the time between two exchanges with the gas.
+//! One island (a group of particles that may meet) as a small scene, which an engine can solve separately. Its
+//! members touch something within the part (*hot* particles); for each of them a bound on its speed is estimated.
+//! *Bystanders* are particles that fly straight unless a member hits them. A part is a piece of a window, the time between two exchanges with the gas.
 
 use super::cluster::VelocityChange;
 use crate::neighbours::NeighbourList;

@@ -40,7 +40,7 @@ struct TouchingSlot {
     record: u32,
 }
 
-/// Counts of the work done by a force evaluation.
+/// Numbers of operations (forces computed, pairs tested) of a force evaluation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ForceEvaluation {
     /// Number of contact forces computed.

@@ -286,8 +286,8 @@ impl Geometry for Mesh {
         self.contacts
     }
 
-    /// [-] largest jump |n - n'| of the normal between two triangles that form one contact: |n - n'|² = 2 - 2 n·n',
-    /// with their normals n and n'.
+    /// [-] largest jump |n - n'| that the normal of a contact can make from one triangle to the next, for any mesh. Two
+    /// triangles with normals n and n' that differ more form two contacts: |n - n'|² = 2 - 2 n·n'.
     fn seam(&self) -> f64 {
         (2.0 - 2.0 * APART).sqrt()
     }

@@ -134,7 +134,8 @@ pub struct PartState {
     stopped: Vec<u64>,
     /// Indices of particles whose next event is left to the single thread that processes the events between parts.
     deferred: Vec<u32>,
-    /// Indices of particles whose next event, after the end of the round, is a touch with a particle of another part.
+    /// Indices of particles whose next event, after the end of the round (piece of time), is a touch with a particle of
+    /// another part (group of particles of one thread).
     across: Vec<u32>,
     /// Data that the events of a round (piece of time shared by threads) write.
     pub round: Round,

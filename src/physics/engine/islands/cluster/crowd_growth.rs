@@ -50,9 +50,9 @@ impl BoundedIslands<'_> {
         }
     }
 
-    /// Indices of the particles that are in no island, next to a member of a crowd (an island moved by uniform steps),
-    /// and within reach of this member. Empty if the surroundings of the member have already been searched with the
-    /// reach that it has now.
+    /// Indices of the particles that are in no island and that a member of a crowd (an island moved by uniform steps)
+    /// may touch: their balls overlap the ball of all positions that the member can have. Empty if the surroundings of
+    /// the member have already been searched with the present radius of its ball.
     fn find_beside(&mut self, member: u32) -> Vec<u32> {
         let Member { index, ball, took_in, .. } = self.members[member as usize];
         let mut beside = Vec::new();
