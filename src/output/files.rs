@@ -158,7 +158,7 @@ impl Folder {
     pub fn resume(path: impl Into<PathBuf>) -> Result<Self, OutputError> {
         let folder = Self::open(path.into(), Owner::Resumer)?;
         // a killed run may have left temporary files
-        let places = ["".to_owned(), FIGURES.to_owned()].into_iter().chain(folder.trajectory_folders());
+        let places = ["", FIGURES, VTK, MAPS].map(String::from).into_iter().chain(folder.trajectory_folders());
         for place in places.map(|place| folder.path.join(place)) {
             let entries = std::fs::read_dir(&place).into_iter().flatten().flatten().map(|entry| entry.path());
             let aside = |path: &PathBuf| {

@@ -170,6 +170,17 @@ pub struct Study<'a> {
     pub budgets: Option<&'a Budgets>,
 }
 
+/// [s] wall time of a run below which costs are not compared. Work that is done once, such as the start of threads,
+/// takes milliseconds and would distort the ratio of two short times.
+pub const TELLING: f64 = 0.1;
+
+/// [s/s] wall-clock time per simulated time of a run whose cost is compared with that of others. `None` if the run
+/// stopped early, since its cost is not that of the whole case, and if it took less than [`TELLING`].
+pub fn ranked_cost(outcome: &Outcome) -> Option<f64> {
+    let is_ranked = outcome.failure.is_none() && outcome.timing.wall_seconds >= TELLING;
+    cost(outcome).filter(|_| is_ranked)
+}
+
 /// [s/s] wall-clock time per simulated time; `None` if nothing was simulated.
 pub fn cost(outcome: &Outcome) -> Option<f64> {
     (outcome.simulated_seconds > 0.0).then(|| outcome.timing.wall_seconds / outcome.simulated_seconds)

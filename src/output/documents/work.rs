@@ -4,15 +4,13 @@
 use super::run::{distinct, table};
 use crate::experiment::{HardStepping, Model};
 use crate::outcome::Outcome;
-use crate::output::cost;
 use crate::output::document::{Block, known};
 use crate::output::numbers::{count, percent, quantity, significant};
+use crate::output::{cost, ranked_cost};
 
 /// Table of the numbers of operations and the wall-clock time of each variant (experiment of a case).
 pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
-    // a run that stopped early does not count as the cheapest, because its cost is not that of the whole case
-    let finished = outcomes.iter().filter(|outcome| outcome.failure.is_none());
-    let cheapest = finished.filter_map(cost).filter(|cost| *cost > 0.0).reduce(f64::min);
+    let cheapest = outcomes.iter().filter_map(ranked_cost).reduce(f64::min);
     let cells = |o: &Outcome| {
         let model = match (o.experiment.model(), o.experiment.hard.stepping) {
             (Model::Soft, _) => "soft",
@@ -28,7 +26,7 @@ pub fn costs(outcomes: &[Outcome]) -> Vec<Block> {
             quantity(o.window, "s", 3),
             quantity(o.simulated_seconds, "s", 3),
             significant(cost(o), 3),
-            known(o.failure.is_none(), significant(cost(o).zip(cheapest).map(|(cost, cheapest)| cost / cheapest), 3)),
+            significant(ranked_cost(o).zip(cheapest).map(|(cost, cheapest)| cost / cheapest), 3),
             steps,
             events,
             count(o.counters.pair_checks),

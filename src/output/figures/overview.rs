@@ -4,7 +4,7 @@
 
 use crate::output::numbers::significant;
 use crate::output::panel::Figure;
-use crate::output::{Study, Verdict, cost as cost_of};
+use crate::output::{Study, Verdict, ranked_cost};
 use crate::statistics::{Answer, Estimate, Judged, slice_column};
 use maud::{Markup, html};
 
@@ -23,8 +23,6 @@ const POINT: f64 = 11.0;
 /// [margins] largest difference on the axis, in units of the margin of equivalence (largest accepted difference). A
 /// larger difference is drawn at the frame, with its number.
 const FURTHEST: f64 = 4.0;
-/// [s] wall-clock time below which the cost of a run depends mainly on other load of the machine.
-const TELLING: f64 = 0.1;
 /// Colours of the variants (experiments of a case), equal to those in other pictures. The file style.css contains the
 /// colours of the dark mode.
 const COLOURS: [&str; 7] = super::chart::COLOURS;
@@ -198,17 +196,16 @@ fn arrow(x: f64, y: f64, side: f64) -> String {
 /// bar per variant. `None` without a comparison, or if no finished run took at least 0.1 s of wall-clock time.
 pub fn cost(study: &Study) -> Option<Figure> {
     let outcomes = study.outcomes;
-    let told = outcomes.iter().filter(|o| o.failure.is_none() && o.timing.wall_seconds >= TELLING);
-    // a run that stopped early is not ranked, because its cost is not that of the whole case
-    let cheapest = told.filter_map(cost_of).reduce(f64::min)?;
+    let cheapest = outcomes.iter().filter_map(ranked_cost).reduce(f64::min)?;
     if study.comparisons.is_empty() || outcomes.len() < 2 {
         return None;
     }
     let rows = outcomes.iter().enumerate().map(|(place, outcome)| {
         let judged = study.comparisons.iter().find(|verdict| verdict.variant == outcome.experiment.name);
         let answer = judged.map(|verdict| verdict.answer);
-        let ratio = cost_of(outcome).map(|cost| cost / cheapest).filter(|_| outcome.failure.is_none());
+        let ratio = ranked_cost(outcome).map(|cost| cost / cheapest);
         let words = match (ratio, answer) {
+            (None, _) if outcome.failure.is_none() => "too short a run: not ranked".to_owned(),
             (None, _) => format!("stopped after {} s: not ranked", significant(outcome.simulated_seconds, 3)),
             (Some(ratio), None) => format!("{} ×", significant(ratio, 2)),
             (Some(ratio), Some(Answer::Equivalent)) => format!("{} ×, equivalent", significant(ratio, 2)),
@@ -230,7 +227,7 @@ struct Bar {
     place: usize,
     name: String,
     /// [-] cost of the run, divided by the cost of the cheapest run among those that took at least 0.1 s. `None` for a
-    /// run that stopped early.
+    /// run that stopped early or took less time.
     ratio: Option<f64>,
     words: String,
     /// True for a reference, and for a variant (experiment of a case) that is equivalent to its reference within the

@@ -21,15 +21,11 @@ use super::trust::softness;
 use crate::experiment::Amount;
 use crate::outcome::Outcome;
 use crate::output::numbers::{counted, quantity, significant};
-use crate::output::{Basis, Verdict, cost, references};
+use crate::output::{Basis, TELLING, Verdict, cost, references};
 use crate::schedule::Schedule;
 use crate::statistics::{Answer, Comparison, ErrorLevels, compare};
 use crate::study::replicas::FROZEN;
 use words::percent;
-
-/// [s] wall time of a run below which costs are not compared. Work that is done once, such as the start of threads,
-/// takes milliseconds and would distort the ratio of two short times.
-const TELLING: f64 = 0.1;
 
 /// [-] largest accepted ratio of the times between samples (instants of measurement) in a recommended longer run and
 /// in the present run. With a larger ratio, errors of averages would not decrease as expected. The recommendation then
