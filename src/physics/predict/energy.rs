@@ -69,30 +69,26 @@ pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<
     let (law, schemes, speed) = (experiment.law()?, schemes(experiment), fastest_impact(experiment));
     // stability limits require a search, so the result is stored for each restitution
     let mut limits: FxHashMap<u64, f64> = FxHashMap::default();
+    let mut limit_of = |damping: f64| {
+        let of_schemes = || schemes.iter().map(|scheme| stability_limit(scheme.method, damping));
+        *limits.entry(damping.to_bits()).or_insert_with(|| of_schemes().fold(f64::INFINITY, f64::min))
+    };
+    let larger = |a: &(f64, f64), b: &(f64, f64)| (a.0 / a.1).total_cmp(&(b.0 / b.1));
+    // of the normal, tangential, rolling and twisting springs of a contact, the one nearest to its limit counts
     let mut excess = |bodies: &Bodies| {
         let spring = law.between(bodies);
-        let reduced = law.frequency(&spring, speed) * step;
-        let damping = law.damping_ratio(&spring, speed);
-        let of_schemes = || schemes.iter().map(|scheme| stability_limit(scheme.method, damping));
-        let (reduced, damping) =
-            sliders(experiment, &law, bodies, step).filter(|of_slip| of_slip.0 > reduced).unwrap_or((reduced, damping));
-        let limit = limits.entry(damping.to_bits()).or_insert_with(|| of_schemes().fold(f64::INFINITY, f64::min));
-        (reduced, *limit)
+        let normal = (law.frequency(&spring, speed), law.damping_ratio(&spring, speed));
+        let sides = side_springs(experiment, &law, bodies).into_iter();
+        let springs = std::iter::once(normal).chain(sides.map(|side| (side.frequency, side.damping_ratio)));
+        springs.map(|(frequency, damping)| (frequency * step, limit_of(damping))).max_by(larger)
     };
     let contacts = contacts(&experiment.scene, particles);
-    let all = contacts.iter().map(|contact| (contact.wall, excess(&contact.bodies)));
-    let (wall, (reduced, limit)) = all.max_by(|(_, a), (_, b)| (a.0 / a.1).total_cmp(&(b.0 / b.1)))?;
+    let all = contacts.iter().filter_map(|contact| Some((contact.wall, excess(&contact.bodies)?)));
+    let (wall, (reduced, limit)) = all.max_by(|(_, a), (_, b)| larger(a, b))?;
     let wall = wall.map(|wall| wall as u32);
     let unstable = step.is_finite() && reduced > limit;
     let limit = Some(limit).filter(|limit| *limit > 0.0);
     unstable.then_some(Failure::StepTooLong { time: 0.0, wall, step, reduced, limit })
-}
-
-/// Frequency times the time step `step` [s], and damping ratio, of the spring with the highest frequency among the
-/// tangential, rolling and twisting springs of two bodies; both [-]. `None` without such springs.
-fn sliders(experiment: &Experiment, law: &ContactLaw, bodies: &Bodies, step: f64) -> Option<(f64, f64)> {
-    let springs = side_springs(experiment, law, bodies).into_iter();
-    springs.map(|spring| (spring.frequency * step, spring.damping_ratio)).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Failure if a contact law of the calling program violates the contract (conditions on every contact law) for two
