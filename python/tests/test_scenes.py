@@ -90,6 +90,11 @@ class Starts(unittest.TestCase):
         # also of a case that has a start of its own
         of_text = diptych.Simulation(text=TEXT, model="hard", positions=PLACES, velocities=SPEEDS)
         self.assertTrue(of_text.state().equals(simulation.state()))
+        region = 'in.box = { center = ["2 mm", "2 mm", "2 mm"], half_extents = ["1 mm", "1 mm", "1 mm"] }'
+        of_region = diptych.Simulation(
+            text=TEXT.replace("count = 30", "count = 30\n" + region), model="hard", positions=PLACES, velocities=SPEEDS
+        )
+        self.assertTrue(of_region.state().equals(simulation.state()))
         at_rest = diptych.Simulation(SCENE, model="soft", set={"soft.linear_spring_dashpot.stiffness": "1 kN/m"}, positions=PLACES)
         self.assertEqual(at_rest.kinetic_energy, 0.0)
 

@@ -11,7 +11,7 @@ use std::sync::Arc;
 const SCENE: &str = "scene";
 
 /// Name, in messages, of the table of the particles at the start.
-const START: &str = "particles at the start";
+pub(super) const START: &str = "particles at the start";
 
 impl Case {
     /// Reads a case from values of a calling program, written as TOML. Numbers without a unit are in SI. Files that the

@@ -3,6 +3,7 @@
 use super::{Resolver, vector};
 use crate::case::diagnostic::Diagnostic;
 use crate::case::file::{BlockRegionFile, CaseFile, CylinderRegionFile, ParticlesFile};
+use crate::case::given::START;
 use crate::case::located::Located;
 use crate::scene::{Scene, StartRegion};
 use crate::walls::{Cavity, Frustum, Hollow, RoundAxis};
@@ -17,6 +18,10 @@ impl Resolver {
         scene: &Scene,
     ) -> Result<Option<StartRegion>, Diagnostic> {
         let Some(region) = &kind.value.region else { return Ok(None) };
+        // a start from arrays takes the place of the region
+        if kind.value.file.as_ref().is_some_and(|file| file.value == START) {
+            return Ok(None);
+        }
         if kind.value.file.is_some() || kind.value.at.is_some() {
             let message = format!("`{}` is of no use: these particles have given places", region.path);
             return Err(self.sources.error(&region.origin, message).help("leave it out"));
