@@ -11,9 +11,9 @@ use super::table::VelocityTable;
 pub(super) const KAPPA: f64 = 0.41;
 /// [-] constant E in U+ = ln(E y+)/κ on a smooth wall, used together with κ = 0.41.
 const E: f64 = 9.0;
-/// [-] distance y+ of the edge of the viscous sublayer in the two-layer law of the wall: the root of y+ = ln(E y+)/κ,
-/// at which both layers have the same velocity.
-const SUBLAYER: f64 = 11.265_857;
+/// [-] distance y+ of the edge of the viscous sublayer in the two-layer law of the wall. The root of y+ = ln(E y+)/κ,
+/// at which both layers have the same velocity, is 11.266; at this number the velocities differ by 0.3 %.
+const SUBLAYER: f64 = 11.225_301;
 
 /// [-] lowest bulk Reynolds number of the model. At lower values a half channel has no room for a logarithmic layer and
 /// an outer layer of 5 cells.
