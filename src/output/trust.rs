@@ -114,9 +114,11 @@ pub struct Verification {
     pub stretch: f64,
     /// [-] wall-clock time of both continuations together, divided by the wall-clock time of the run.
     pub cost: f64,
-    /// [s] window of the run (time between two exchanges with the gas). The second continuation has half this window.
+    /// [s] window of the run (time between two exchanges with the gas). To verify the results, the run is continued
+    /// twice from its final state: first with this window, then with half this window.
     pub window: f64,
-    /// [s] time step of the run; `None` for event-driven collisions. The second continuation has half this step.
+    /// [s] time step of the run; `None` for event-driven collisions. To verify the results, the run is continued twice
+    /// from its final state: first with this time step, then with half this time step.
     pub time_step: Option<f64>,
     /// Compared quantities that have values in both continuations.
     pub quantities: Vec<Halved>,

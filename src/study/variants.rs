@@ -131,7 +131,8 @@ pub struct VariantFindings {
     pub overrides: Vec<String>,
     /// Sentences on the limits of the reliability of the results.
     pub notes: Vec<String>,
-    /// Budgets of the second moments of velocity of a single run; `None` unless the user asks for them.
+    /// Budgets of a single run: rates at which single processes, such as drag, change the second moments of velocity.
+    /// `None` unless the user asks for budgets.
     pub budgets: Option<Budgets>,
 }
 

@@ -123,25 +123,25 @@ pub struct LoadedFlow {
 /// Momentum of the gas along z: value at the start, and all gains and losses since then.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GasBalance {
-    /// [kg m/s] momentum at the start.
+    /// [kg m/s] momentum of the gas along z at the start of the run.
     pub start: f64,
-    /// [kg m/s] momentum at present.
+    /// [kg m/s] momentum of the gas along z at present.
     pub now: f64,
-    /// [kg m/s] momentum that the gas has gained from the pressure gradient since the start.
+    /// [kg m/s] momentum along z that the gas has gained from the pressure gradient since the start.
     pub by_pressure: f64,
-    /// [kg m/s] momentum that the gas has lost by friction at the walls since the start.
+    /// [kg m/s] momentum along z that the gas has lost by friction at the walls since the start.
     pub to_walls: f64,
-    /// [kg m/s] momentum that the gas has lost to the particles since the start.
+    /// [kg m/s] momentum along z that the gas has lost to the particles since the start.
     pub to_particles: f64,
 }
 
 impl GasBalance {
-    /// [kg m/s] momentum of the gas that the gains and losses do not explain.
+    /// [kg m/s] present momentum of the gas along z that the start value, the gains and the losses do not explain.
     pub fn unexplained(&self) -> f64 {
         self.now - self.start - self.by_pressure + self.to_walls + self.to_particles
     }
 
-    /// [-] unexplained momentum, divided by the largest magnitude among the entries of the balance.
+    /// [-] unexplained momentum of the gas, divided by the largest magnitude among the five entries of the balance.
     pub fn unexplained_share(&self) -> f64 {
         let parts = [self.start, self.now, self.by_pressure, self.to_walls, self.to_particles];
         let largest = parts.into_iter().map(f64::abs).fold(0.0, f64::max);

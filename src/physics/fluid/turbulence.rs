@@ -249,15 +249,17 @@ impl AlongSlip {
 /// integral time T of the fluctuation that a particle sees.
 #[derive(Clone, Copy, Debug)]
 struct Relaxation {
-    /// [-] share of the initial fluctuation that remains at the end: exp(-x) with x = h/T.
+    /// [-] share of the initial fluctuation that remains after the time h: exp(-x). Here x = h/T, with the integral
+    /// time T of the fluctuation that the particle sees.
     kept: f64,
-    /// [-] standard deviation of the fluctuation at the end about its expected value.
+    /// [-] standard deviation of the fluctuation after the time h about its expected value: sqrt(1 - exp(-2x)). Here x
+    /// is h over the integral time of the fluctuation.
     drawn: f64,
-    /// [-] factor tanh(x/2)/x with x = h/T. This factor times the sum of the fluctuations at the start and at the end
-    /// is the expected mean of the fluctuation over the time h.
+    /// [-] factor tanh(x/2)/x, where x = h/T is the time h over the integral time T of the fluctuation. This factor
+    /// times the sum of the fluctuations at the start and at the end is the expected mean of the fluctuation over h.
     ends: f64,
-    /// [-] standard deviation of the mean over the time h, for a given start and end: sqrt(2 (x - 2 tanh(x/2)))/x with
-    /// x = h/T.
+    /// [-] standard deviation of the mean fluctuation over the time h, for given fluctuations at the start and at the
+    /// end: sqrt(2 (x - 2 tanh(x/2)))/x. Here x is h over the integral time of the fluctuation.
     between: f64,
 }
 

@@ -32,7 +32,9 @@ pub const MOMENTS: [(&str, usize, usize); 4] = [("uu", 0, 0), ("vv", 1, 1), ("ww
 /// Number of equal parts of a run. The sums of each part are stored separately, so that the averaging period can begin
 /// at the start of any part.
 const PARTS: u64 = 200;
-/// Number of blocks of time from which the standard errors of the budgets are computed.
+/// Largest number of blocks (pieces of the averaged time) from whose scatter the standard errors of the budgets are
+/// computed. A budget is the list of the rates at which single processes, such as drag, change a second moment of the
+/// velocities.
 const BLOCKS: usize = 20;
 
 /// Rates of change [m²/s³] of one second moment of the velocities by each physical process.
@@ -63,7 +65,8 @@ impl<T> From<[T; 5]> for Terms<T> {
     }
 }
 
-/// Budgets of the four second moments of a run. Arrays of four are in the order of [`MOMENTS`].
+/// Budgets of the four second moments of a run: the rates at which single processes, such as drag, change each moment.
+/// Arrays of four are in the order of [`MOMENTS`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Budgets {
     /// Centre y [m] of each slice, and the terms of the budgets of the four moments in this slice.
@@ -197,8 +200,8 @@ struct MomentBlock {
     walls: [f64; 3],
 }
 
-/// Observer that sums the terms of the budgets of second moments. It is called at the end of every window, the time
-/// between two exchanges with the gas.
+/// Observer that sums the terms of the budgets: the rates at which single processes change the second moments of the
+/// velocities. It is called at the end of every window, the time between two exchanges with the gas.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SecondMoments {
     slices: usize,
@@ -243,8 +246,8 @@ impl SecondMoments {
         }
     }
 
-    /// Budgets averaged over the parts of the run that begin at `from` [s] or later; `None` if there are no such
-    /// parts, or if a slice contained no particle.
+    /// Budgets (rates at which single processes change the second moments), averaged over the parts of the run that
+    /// begin at `from` [s] or later. `None` if there are no such parts, or if a slice contained no particle.
     pub fn budgets(&self, from: f64) -> Option<Budgets> {
         let used: Vec<&MomentBlock> = self.parts.iter().filter(|part| is_averaged(part.start, from)).collect();
         let from = used.first()?.start;
@@ -271,7 +274,8 @@ impl SecondMoments {
         })
     }
 
-    /// Computes the budgets from the sums of several parts of the run; `None` if a slice contained no particle.
+    /// Computes the budgets (rates at which single processes change the second moments) from the sums of several parts
+    /// of the run; `None` if a slice contained no particle.
     fn terms(&self, parts: &[&MomentBlock]) -> Option<Derived> {
         let mut sums = vec![MomentSums::default(); self.slices];
         let (mut windows, mut walls) = (0, [0.0; 3]);
@@ -335,7 +339,8 @@ impl SecondMoments {
     }
 }
 
-/// Budgets of the second moments computed from the sums of some parts of the run: rates of change [m²/s³].
+/// Budgets computed from the sums of some parts of the run: the rates [m²/s³] at which single processes change the
+/// second moments.
 struct Derived {
     slices: Vec<[Terms<f64>; 4]>,
     whole: [Terms<f64>; 4],

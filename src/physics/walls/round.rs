@@ -111,8 +111,8 @@ impl Geometry for OppositeTube {
         Nearest { distance, normal: axle.in_space(&(Vector2::new(1.0, slope) / length), point) }
     }
 
-    /// Returns `None`, because a sphere reaches the near side first. Only a sphere with its centre on the axis reaches
-    /// both sides at once.
+    /// Returns `None`: the sphere first touches the pipe or cone at the nearest point, so `Tube::touch_time` already
+    /// gives the time. Only a sphere with its centre on the axis touches both sides at the same time.
     fn touch_time(&self, _flight: &Flight, _radius: f64, _until: f64) -> Option<f64> {
         None
     }
@@ -169,7 +169,8 @@ impl Geometry for OppositeBowl {
         Nearest { distance: 2.0 * self.0.radius - distance, normal: -normal }
     }
 
-    /// Returns `None`, because a particle reaches the near side first.
+    /// Returns `None`: a particle inside first touches the hollow sphere at the nearest point, so `Bowl::touch_time`
+    /// already gives the time. The point opposite to the nearest one is never touched earlier.
     fn touch_time(&self, _flight: &Flight, _radius: f64, _until: f64) -> Option<f64> {
         None
     }

@@ -139,8 +139,10 @@ fn verdict(group: &[&MeasuredQuantity], names: &[String; 2], share: f64) -> Verd
     }
 }
 
-/// Remarks for the reader: missing standard errors, references that are zero within their errors, and reasons why
-/// curves are compared or nothing can be compared.
+/// Remarks for the reader of a comparison of two files. Remarks name quantities without a standard error, and
+/// quantities whose reference value is zero within its error, so that differences cannot be divided by it. The remark
+/// of a single quantity says, for instance, why curves are compared instead of averages, or why nothing can be
+/// compared.
 fn remarks(measured: &[MeasuredQuantity], sides: &[JudgeSide; 2]) -> Vec<String> {
     let mut remarks = Vec::new();
     for (k, side) in sides.iter().enumerate() {

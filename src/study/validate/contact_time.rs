@@ -58,8 +58,9 @@ fn share_of_loss(ratio: f64, loss: f64) -> f64 {
 }
 
 /// [-] rate of energy loss in the TC model (elastic collisions in quick succession), divided by that of Haff's law.
-/// The rate of cooling is given: `cooling` [-] is -d(ln T)/dt divided by the collision rate of a sphere, with the
-/// granular temperature T.
+/// `ratio` [-] is the contact time of the TC model, divided by the mean time between two collisions of a sphere. The
+/// rate of cooling is given: `cooling` [-] is -d(ln T)/dt divided by the collision rate of a sphere, with the granular
+/// temperature T.
 fn share_with_cooling(ratio: f64, cooling: f64) -> f64 {
     let step = FASTEST / POINTS as f64;
     let speeds: Vec<f64> = (0..POINTS).map(|k| (k as f64 + 0.5) * step).collect();

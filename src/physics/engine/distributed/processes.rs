@@ -31,9 +31,11 @@ impl<C> Default for Processes<C> {
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
-    /// Shares the run among processes; `population` summarises the sizes of all particles. If each process already
-    /// stores the particles of its block (region of the box), `cut` is the box. If `cut` is `None`, the lead process
-    /// stores all particles. They are distributed when islands (groups of particles that may meet) are next tried.
+    /// Shares the run among processes. `population` summarises the sizes of all particles. There are two cases:
+    ///
+    /// * Each process already stores the particles of its block (region of the box); `cut` is then the whole box.
+    /// * The lead process (process 0) still stores all particles; `cut` is then `None`. The processes get their
+    ///   particles later, when the program next tries to move particles in islands (groups that may meet).
     pub fn share(&mut self, communicator: Arc<dyn Communicator>, population: PopulationSummary, cut: Option<&Domain>) {
         let domains = self.domains.insert(Domains::new(communicator, population));
         cut.into_iter().for_each(|domain| domains.begin_cut(domain));

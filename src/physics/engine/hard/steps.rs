@@ -57,14 +57,15 @@ impl SteppedHard {
         theta * diameter / (8.0 * agitation / (3.0 * PI)).sqrt()
     }
 
-    /// Number of equal steps, each of at most `longest` [s], into which a window of `duration` [s] is divided; at least
-    /// one.
+    /// Number of equal steps, each of at most `longest` [s], into which a window (time between two exchanges with the
+    /// gas) of `duration` [s] is divided; at least one.
     fn steps(longest: f64, duration: f64) -> f64 {
         (duration / longest - 1e-9).ceil().max(1.0)
     }
 
-    /// [-] factor θ = Δt u_r/d of the steps Δt that a window of `duration` [s] really has, with the smallest diameter d
-    /// and the mean relative speed u_r. It is at most `theta`, because a window has a whole number of steps.
+    /// [-] factor θ = Δt u_r/d, with the smallest diameter d and the mean relative speed u_r, for the step Δt that the
+    /// engine takes. A window (time between two exchanges with the gas) of `duration` [s] is divided into equal steps.
+    /// Their number is the smallest for which θ is not larger than `theta`, so θ is usually less than `theta`.
     pub fn theta_of_window(theta: f64, particles: &Particles, scene: &Scene, duration: f64) -> f64 {
         let longest = Self::longest_step(theta, particles, scene, duration);
         theta * duration / (longest * Self::steps(longest, duration))

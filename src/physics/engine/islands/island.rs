@@ -1,6 +1,7 @@
 //! One island (a group of particles that may meet) as a small scene, which an engine can solve separately. Its
 //! members touch something within the part (*hot* particles); for each of them a bound on its speed is estimated.
-//! *Bystanders* are particles that fly straight unless a member hits them. A part is a piece of a window, the time between two exchanges with the gas.
+//! *Bystanders* are particles that fly straight unless a member hits them. A part is a piece of a window, the time
+//! between two exchanges with the gas.
 
 use super::cluster::VelocityChange;
 use crate::neighbours::NeighbourList;
@@ -56,13 +57,13 @@ pub struct Island<C> {
     /// Local indices of further particles that exceeded their speed limit, or that were hit although they are
     /// bystanders. The particle that the solver returns is not repeated here.
     pub also: Vec<usize>,
-    /// [m/s] largest speed of any particle so far, relative to the frame of the speed limits. A solver sets this speed
-    /// if it notices only at the end that a limit was exceeded; otherwise the value is 0.
+    /// [m/s] largest speed of any particle so far, relative to the moving frame. A solver sets this speed if it notices
+    /// only at the end that the speed limit (estimated upper bound) was exceeded; otherwise the value is 0.
     pub fastest: f64,
-    /// Speed limit [m/s] of each member, relative to the moving frame `frame`. A faster member may leave the ball in
-    /// which other particles were searched.
+    /// Speed limit [m/s] of each member, relative to the moving frame `frame`: an estimated upper bound. A faster
+    /// member may leave the ball in which other particles were searched, so the island is then solved again.
     pub(super) limits: Vec<f64>,
-    /// Velocity [m/s] of the moving frame of the speed limits, relative to the frame at rest.
+    /// Velocity [m/s] of the moving frame in which speeds are compared with the limits, relative to the frame at rest.
     frame: Vector3<f64>,
     /// [m/s] mean flow of a sheared box at the place of each particle at the start of the part (interval of time). The
     /// mean flow is added to the velocity of the frame of the speed limits. The list is empty without shear.
@@ -151,10 +152,10 @@ impl<C> Island<C> {
         found.ok().map(|k| self.by_index[k])
     }
 
-    /// True if the particle at the local `index` may have this velocity [m/s], given in the frame that falls with
-    /// gravity from rest at the start of the part (interval of time). The speed of a member in the moving frame of the
-    /// limits must not exceed the member's limit. The result for a bystander, which must not be touched, is always
-    /// false.
+    /// True if the particle at the local `index` is a member with a speed up to its limit, the upper bound that was
+    /// estimated for it. `velocity` [m/s] is given in the frame that falls with gravity from rest at the start of the
+    /// part (interval of time). The speed is relative to the moving frame of the limits. The result for a bystander,
+    /// which must not be touched, is always false.
     pub fn allows(&self, index: usize, velocity: &Vector3<f64>) -> bool {
         let speed = || (velocity - self.frame_of(index)).norm();
         self.limits.get(index).is_some_and(|limit| speed() <= *limit)
@@ -168,14 +169,15 @@ impl<C> Island<C> {
         self.turns.push((index, VelocityChange { time, origin, velocity: velocity - self.frame_of(index as usize) }));
     }
 
-    /// Speed [m/s] of the particle at the local `index`, relative to the moving frame of the speed limits. If
-    /// `fastest` is larger, `fastest` is returned.
+    /// Speed [m/s] of the particle at the local `index`, relative to the moving frame of the speed limits (estimated
+    /// upper bounds). If the speed `fastest` that a solver has noted is larger, it is returned instead.
     pub fn speed(&self, index: usize) -> f64 {
         (self.particles.velocity[index] - self.frame_of(index)).norm().max(self.fastest)
     }
 
-    /// Velocity [m/s] of the moving frame in which the speed of the particle at the local `index` is limited. It is the
-    /// common velocity `frame`, plus the mean flow of a sheared box if there is one.
+    /// Velocity [m/s] of the moving frame in which the speed of the particle at the local `index` is compared with its
+    /// limit. The limit is an estimated upper bound: no speed is reduced, but the island is solved again if a speed is
+    /// larger. The velocity is the field `frame`, plus the mean flow at the particle in a sheared box.
     fn frame_of(&self, index: usize) -> Vector3<f64> {
         match self.flow.get(index) {
             None => self.frame,
@@ -183,13 +185,14 @@ impl<C> Island<C> {
         }
     }
 
-    /// Upper limit [m/s] of the difference between the speeds of one particle in two frames. One frame has the velocity
-    /// `frame` [m/s], the other is the frame of the speed limits without mean flow.
+    /// Largest possible difference [m/s] between the speeds of one particle in two frames. One frame has the velocity
+    /// `frame` [m/s], the other is the moving frame of this island without the mean flow of a sheared box.
     pub fn apart_from(&self, frame: &Vector3<f64>) -> f64 {
         (frame - self.frame).norm()
     }
 
-    /// Smallest speed limit [m/s] of any member, relative to the moving frame; infinite without members.
+    /// Smallest speed limit (estimated upper bound) [m/s] of any member, relative to the moving frame; infinite without
+    /// members.
     pub fn least_limit(&self) -> f64 {
         self.limits.iter().copied().fold(f64::INFINITY, f64::min)
     }

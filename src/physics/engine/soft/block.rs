@@ -52,7 +52,7 @@ pub struct ForceEvaluation {
 /// Sums over the contacts of one block (range of candidates in the neighbour list) in one force evaluation.
 #[derive(Default)]
 pub struct ForceSums {
-    /// Rows of powers [W] and forces [N] of the block's contacts. The sums of these rows are exact in any order.
+    /// Rows (lists) of powers [W] and forces [N] that add up without rounding errors to those of the block's contacts.
     pub rows: ContactRows,
     /// [J] elastic energy of the contacts. It is summed only for Heun's method, whose predicted state the contacts do
     /// not store.
@@ -73,7 +73,7 @@ impl ForceSums {
 /// Working memory of an evaluation, shared by blocks that are evaluated one after the other.
 #[derive(Default)]
 pub struct BlockScratch {
-    /// Powers and forces of single contacts, before these rows are condensed into a few rows with the same sums.
+    /// Powers and forces, one row (list) per contact, before these rows are condensed into a few with the same sums.
     rows: ContactRows,
     /// Contacts of the block at the previous step, in the order of the neighbour list.
     before: Vec<TouchingSlot>,
@@ -472,8 +472,8 @@ fn look_rotating(
     pushes.add_rotating(increment, torque);
 }
 
-/// Updates the state of a contact between bodies that do not rotate. Appends its force to the forces on particles, and
-/// its force and powers [W] to the rows for the exact sums.
+/// Updates the state of a contact between bodies that do not rotate. Appends its force to `pushes` (forces on
+/// particles), and a row (list) of its force and powers [W] to `rows`; rows are added later without rounding errors.
 #[inline(always)]
 fn evaluate(
     (couple, constants, course): (&Couple, &ContactConstants, &mut ContactState),

@@ -34,15 +34,16 @@ pub struct ContactRows {
 }
 
 impl ContactRows {
-    /// Adds the row of one contact force. `at` contains the scene and the time [s] from the action of the force to the
-    /// end of the window. Full batches of rows are condensed: a few rows with the same sums are added to `few`.
+    /// Adds a row with the powers and the force of one contact. `at` contains the scene and the time [s] from the
+    /// action of the force to the end of the window. Full batches of rows are condensed: a few rows with the same sums
+    /// are added to `few`.
     #[inline(always)]
     pub fn add(&mut self, couple: &Couple, force: &ContactForce, at: (&Scene, f64), few: &mut Self) {
         self.add_row(couple, force, 0.0, at, few);
     }
 
-    /// Adds the rows of a contact between rotating bodies, with the arguments of [`add`](Self::add). `losses` [W] are
-    /// the parts of the friction power of the force.
+    /// Adds the rows (powers and forces) of a contact between rotating bodies, with the arguments of
+    /// [`add`](Self::add). `losses` [W] are the parts of the friction power of the force.
     #[inline(always)]
     pub fn add_rotating(
         &mut self,
@@ -97,7 +98,8 @@ impl ContactRows {
         }
     }
 
-    /// Condenses all rows into a few rows with the same sums, which are added to `few`.
+    /// Condenses all rows (powers and forces of single contacts) into a few rows with the same sums, which are added to
+    /// `few`.
     pub fn leave(&mut self, few: &mut Self) {
         condense(&mut self.of_pairs, &mut few.of_pairs);
         condense(&mut self.at_walls, &mut few.at_walls);
@@ -105,7 +107,7 @@ impl ContactRows {
         condense(&mut self.by_shear, &mut few.by_shear);
     }
 
-    /// Removes all rows, and keeps their memory for new rows.
+    /// Removes all rows (powers and forces of contacts), and keeps their memory for new rows.
     pub fn clear(&mut self) {
         self.of_pairs.clear();
         self.at_walls.clear();
@@ -114,7 +116,8 @@ impl ContactRows {
     }
 }
 
-/// Adds the rows `rows`, multiplied by `weight` [-], to the exact sums `sums`, column by column.
+/// Adds the rows `rows` (powers and forces of contacts), multiplied by `weight` [-], to `sums`, column by column. The
+/// addition has no rounding errors.
 fn add_weighted<const K: usize>(sums: &mut [ExactSum; K], rows: &[[f64; K]], weight: f64) {
     if rows.is_empty() || weight == 0.0 {
         return;

@@ -68,11 +68,11 @@ pub struct EvaluationTime {
     pub to_middle: f64,
     /// [-] fraction of the time step for which these forces act in the kick (change of velocities) that follows.
     pub weight: f64,
-    /// True if contacts begin and end in this evaluation; false in the state that Heun's method predicts for the end
-    /// of a step.
+    /// True if this evaluation of forces also finds the contacts that begin or end. False in the second of the two
+    /// evaluations of Heun's method, at the end of a step, since its positions are only predicted.
     pub opens: bool,
-    /// True if the distance that particles may have moved, as stored in the neighbour list, holds for the present
-    /// positions (Verlet's method). False for Heun's method.
+    /// True if the bound on the motion of particles that the neighbour list stores holds for the present positions, as
+    /// in Verlet's method. False for Heun's method.
     pub travel_is_exact: bool,
     /// True if the second half of the kick (change of velocities) by these forces is applied at the start of the next
     /// window.
@@ -97,7 +97,8 @@ pub struct ContactSearch<'a> {
     pub particles: &'a Particles,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
-    /// Time of the force evaluation, and times for which its forces act.
+    /// Instants of the positions and of the velocities from which forces are computed, and the time step for which
+    /// these forces act.
     pub at: EvaluationTime,
     /// For each particle, by index, true if this process owns it; `None` if this process owns all particles.
     pub mine: Option<&'a [bool]>,

@@ -12,8 +12,8 @@ use std::cmp::Ordering;
 enum Amounts {
     /// Virial [J], loss by restitution [J] and loss by friction [J] of a collision of two particles.
     Pair(Matrix3<f64>, f64, f64),
-    /// Amounts of any kind, for a collision with a wall, or for one that the TC model makes elastic, since it follows
-    /// soon after another one.
+    /// Amounts of any kind, as a ledger. This form is for collisions with a wall, and for collisions that the TC model
+    /// makes elastic because one of the two bodies has collided shortly before.
     Any(Box<Ledger>),
 }
 

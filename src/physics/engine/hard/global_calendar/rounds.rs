@@ -84,20 +84,20 @@ pub struct Round {
     /// threads). In the data of events that concern several parts: indices of particles whose next event is a touch
     /// with another particle.
     pub predicted: Vec<u32>,
-    /// States of particles before the events, from which the round can be undone.
+    /// States of particles before the events, by which the round (piece of time shared by threads) can be undone.
     pub undo: Undo,
-    /// Collisions of the round, with the amounts that they add to the ledger (sums of energies and momenta of the run).
+    /// Collisions of this piece of time, with the amounts that they add to the ledger (sums of energies and momenta).
     pub records: Records,
-    /// Numbers of collisions and of tested pairs in this round.
+    /// Numbers of collisions and of tested pairs in this round (piece of time shared by threads).
     pub counts: EventCounts,
     /// [m/s] speed that no particle may exceed in the round (piece of time shared by threads).
     pub speed: f64,
-    /// True in the last step of a round, in which one thread processes the events between parts.
+    /// True for the events that concern several parts (particles of several threads), which one thread processes last.
     pub is_border: bool,
-    /// True if a particle was too fast, or if an event failed; one thread then repeats the present round.
+    /// True if a particle was too fast, or if an event failed; one thread then repeats the round (this piece of time).
     pub must_be_repeated: bool,
     /// [s] time since the epoch (zero of time) of the earliest event that was processed too early, before an event on
-    /// which it depends. The round is then repeated up to this time. Infinite if there is no such event.
+    /// which it depends. The events from `start` to this time are then repeated. Infinite if there is no such event.
     pub early: f64,
 }
 

@@ -14,7 +14,8 @@ pub struct FoundNeighbours {
     pub near: Vec<u32>,
     /// Number of neighbours in the list of each particle.
     pub counts: Vec<u32>,
-    /// For each particle, true if a periodic image of a neighbour may be nearer than the neighbour itself.
+    /// For each particle, true if a periodic image of a neighbour (its copy, shifted by an edge of the box) may be
+    /// nearer than the neighbour itself.
     across: Vec<bool>,
     /// Number of distances between shells (balls in which neighbour lists are valid) that were computed for these
     /// lists.
@@ -23,7 +24,8 @@ pub struct FoundNeighbours {
 
 impl FoundNeighbours {
     /// The neighbour lists one after the other, in the order in which they were made. The second member of each item is
-    /// true if a periodic image of a neighbour may be nearer than the neighbour itself.
+    /// true if a periodic image of a neighbour (its copy, shifted by an edge of the box) may be nearer than the
+    /// neighbour itself.
     pub fn each(&self) -> impl Iterator<Item = (&[u32], bool)> {
         let mut near = self.near.as_slice();
         self.counts.iter().zip(&self.across).map(move |(count, across)| {

@@ -32,8 +32,9 @@ pub struct Shell {
     /// True if the particle may have neighbours in another part of the particles, whose events another thread
     /// processes.
     pub at_border: bool,
-    /// True if a periodic image of a neighbour may be nearer than the neighbour itself. Flights may lead out of the
-    /// box, so this property does not follow from the centre of the shell.
+    /// True if a periodic image of a neighbour (its copy, shifted by an edge of the box) may be nearer than the
+    /// neighbour itself. The centre of the shell does not show this: the centre is inside the box, but the stored
+    /// positions of flights may be outside.
     pub across: bool,
 }
 

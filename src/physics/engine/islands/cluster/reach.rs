@@ -14,13 +14,16 @@ use nalgebra::Vector3;
 const MARGIN: f64 = 1.05;
 
 /// Largest distances [m] that particles may reach in a part, a piece of the time between two exchanges with the gas.
+/// The straight flight of a particle is its path in the part if the particle hits nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reach {
     /// [m] largest distance of any point of a particle from the middle of the straight flight of this particle.
     pub flight: f64,
-    /// [m] largest distance that a member of an island may reach from the middle of its straight flight.
+    /// [m] largest distance that a member of an island (group of particles that may meet) may reach from the middle of
+    /// its straight flight.
     pub around: f64,
-    /// [m] largest radius of the balls that contain the members of islands after the first touch in their island.
+    /// [m] largest radius of any ball of a member of an island (group of particles that may meet). Each member has a
+    /// ball: the region in which it stays from the first touch in its island to the end of the part.
     pub ball: f64,
 }
 

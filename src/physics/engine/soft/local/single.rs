@@ -138,9 +138,12 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         true
     }
 
-    /// Integrates the only contact to its end, or for `clear` [s] if it lasts longer, while all other particles fly
-    /// straight. Returns the index of a particle that exceeded its speed limit or is not a member of the island;
-    /// otherwise `None`.
+    /// Computes the motion of the only contact to its end, but for at most `clear` [s], while all other particles fly
+    /// straight. Returns the index of a particle of the contact that is not a member of the island, or is faster than
+    /// its speed limit (estimated upper bound); the island must then be solved again. Otherwise returns `None`.
+    ///
+    /// # Errors
+    /// The overlap is too large, or the centre of a particle has passed the other body.
     pub(super) fn resolve_alone(&mut self, clear: f64) -> Result<Option<usize>, Failure> {
         let start = self.now;
         let touch = self.scratch.contacts[0].touch;
