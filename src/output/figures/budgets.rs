@@ -42,5 +42,9 @@ pub fn budgets(budgets: &Budgets, height: f64) -> Figure {
         }
     };
     let panels: Vec<Panel> = MOMENTS.into_iter().enumerate().map(panel).collect();
-    Figure::new("budgets", "What makes and takes the second moments of the velocity, per time.", chart::grid(&panels))
+    Figure::new(
+        "budgets",
+        "Rates at which production, impacts, drag and transport change the second moments of the velocity; the rest is their sum.",
+        chart::grid(&panels),
+    )
 }
