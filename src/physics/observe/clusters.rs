@@ -6,7 +6,7 @@
 //! and Aharony, Introduction to Percolation Theory, 2nd edition 1994).
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::{ClustersSettings, Experiment};
 use crate::neighbours::pairs_with_gap;
 use crate::schedule::Schedule;
@@ -100,7 +100,7 @@ impl ClusterSample {
 impl Measurement for ParticleClusters {
     fn result(&self, _experiment: &Experiment, from: f64) -> Observation {
         // an empty scene has no clusters
-        let is_used = |sample: &&ClusterSample| is_averaged(sample.time, from) && sample.particles > 0;
+        let is_used = |sample: &&ClusterSample| sample.time >= from && sample.particles > 0;
         let samples: Vec<&ClusterSample> = self.samples.iter().filter(is_used).collect();
         let mean =
             |of: &dyn Fn(&ClusterSample) -> f64| estimate(&samples.iter().map(|sample| of(sample)).collect::<Vec<_>>());

@@ -6,7 +6,7 @@
 //! * Fabric tensor Σ n n/C over the contacts between particles, with the unit normals n (Satake 1982). Its trace is 1.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
-use super::{Needs, Observer, is_averaged};
+use super::{Needs, Observer};
 use crate::contact_law::ContactLaw;
 use crate::domain::Domain;
 use crate::encounter::FrameTime;
@@ -168,7 +168,7 @@ impl NetworkSample {
 impl Measurement for ContactNetwork {
     fn result(&self, _experiment: &Experiment, from: f64) -> Observation {
         // means over the particles need particles
-        let has_any = |sample: &&NetworkSample| is_averaged(sample.time, from) && sample.count() > 0.0;
+        let has_any = |sample: &&NetworkSample| sample.time >= from && sample.count() > 0.0;
         let samples: Vec<&NetworkSample> = self.samples.iter().filter(has_any).collect();
         let clock = [samples.first().map_or(from, |sample| sample.time), self.interval];
         let number = |column: &str, symbol: &str, unit: &'static str, of: &dyn Fn(&NetworkSample) -> Option<f64>| {

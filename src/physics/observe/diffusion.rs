@@ -12,7 +12,7 @@
 //! per interval between samples. Otherwise the displacements count as unknown, and the result has a remark.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::exact::sums_in_groups;
 use crate::experiment::{DiffusionSettings, Experiment};
 use crate::kinetic_theory::{contact_value, enskog_self_diffusion};
@@ -150,7 +150,7 @@ impl Diffusion {
     /// because particles were too fast.
     fn complete(&self, from: f64) -> Vec<&MotionBlock> {
         let is_used = |block: &&MotionBlock| {
-            is_averaged(block.origin, from) && block.samples.iter().all(|samples| samples.len() == self.intervals + 1)
+            block.origin >= from && block.samples.iter().all(|samples| samples.len() == self.intervals + 1)
         };
         if self.is_ambiguous { Vec::new() } else { self.blocks.iter().filter(is_used).collect() }
     }

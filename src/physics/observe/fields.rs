@@ -14,7 +14,7 @@
 
 use super::contact_network::{ContactLine, contact_lines};
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedGrid, ObservedNumber, ObservedQuantity};
-use super::{Needs, Observer, is_averaged};
+use super::{Needs, Observer};
 use crate::contact_law::ContactLaw;
 use crate::domain::Domain;
 use crate::experiment::{Experiment, FieldsSettings};
@@ -165,7 +165,7 @@ impl Fields {
 
     /// Blocks of time that begin at `from` [s] or later. If all blocks begin earlier, only the last block is returned.
     fn used(&self, from: f64) -> &[FieldBlock] {
-        let first = self.blocks.iter().position(|block| is_averaged(block.from, from));
+        let first = self.blocks.iter().position(|block| block.from >= from * (1.0 - 1e-9));
         &self.blocks[first.unwrap_or(self.blocks.len().saturating_sub(1))..]
     }
 }

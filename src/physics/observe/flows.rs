@@ -1,6 +1,6 @@
 //! Flow of particles through inlets and outlets: sums over time, and rates in the averaging period.
 
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
 use crate::simulation::{FlowTotals, OpeningFlow, Simulation};
@@ -70,7 +70,7 @@ impl Flows {
         let of = |(k, (name, is_inlet)): (usize, (&String, bool))| {
             let (samples, waiting) = (&self.samples[k], self.waiting[k]);
             let rate = |of: fn(&FlowTotals) -> f64| {
-                let used: Vec<&FlowSample> = samples.iter().filter(|sample| is_averaged(sample.time, from)).collect();
+                let used: Vec<&FlowSample> = samples.iter().filter(|sample| sample.time >= from).collect();
                 let each =
                     used.windows(2).map(|two| (of(&two[1].totals) - of(&two[0].totals)) / (two[1].time - two[0].time));
                 estimate(&each.collect::<Vec<f64>>())

@@ -12,7 +12,7 @@
 //! codes with the patterns of Bizon et al. (1998, Phys. Rev. Lett. 80, 57).
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedGrid, ObservedNumber, ObservedQuantity};
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::{Experiment, FreeSurfaceSettings};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
@@ -234,8 +234,7 @@ fn transform<T: Copy + Into<Complex<f64>>>(n: i64, row: &[T]) -> Complex<f64> {
 
 impl Measurement for FreeSurface {
     fn result(&self, _experiment: &Experiment, from: f64) -> Observation {
-        let samples: Vec<&SurfaceSample> =
-            self.samples.iter().filter(|sample| is_averaged(sample.time, from)).collect();
+        let samples: Vec<&SurfaceSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
         let all =
             |of: &dyn Fn(&SurfaceSample) -> f64| estimate(&samples.iter().map(|sample| of(sample)).collect::<Vec<_>>());
         let contrast = all(&|sample| sample.contrast);

@@ -1,6 +1,6 @@
 //! Channel or pipe flow of a gas on which the particles act (two-way coupling), over time and averaged.
 
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::fluid::{Fluid, GasBalance, GridNode};
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
@@ -64,7 +64,7 @@ impl GasFlows {
     /// has no channel or pipe flow, or if there is no sample.
     pub fn averages(&self, alone: Option<&Fluid>, from: f64) -> Option<GasFlow> {
         let (fluid, flow) = alone.and_then(|fluid| Some((fluid, fluid.profile.channel_flow()?)))?;
-        let used: Vec<&GasSample> = self.samples.iter().filter(|sample| is_averaged(sample.time, from)).collect();
+        let used: Vec<&GasSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
         let last = used.last()?;
         let mean = |node: usize, of: fn(&GridNode) -> f64| {
             used.iter().map(|sample| of(&sample.nodes[node])).sum::<f64>() / used.len() as f64

@@ -1,6 +1,6 @@
 //! Impacts in each interval between two samples (instants of measurement), and impacts of the averaging period.
 
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::record::{Impacts, Record};
 use crate::schedule::Schedule;
@@ -80,7 +80,7 @@ impl ImpactSeries {
     fn begins(&self, time: f64) -> bool {
         match self.average_from {
             // 1e-9 allows for the rounding of a sum of windows
-            AverageFrom::Time(from) => self.marks.is_empty() && is_averaged(time, from),
+            AverageFrom::Time(from) => self.marks.is_empty() && time >= from * (1.0 - 1e-9),
             AverageFrom::Steady => {
                 let apart = (self.schedule.samples / MARKS).max(1);
                 (self.samples.len() as u64).is_multiple_of(apart) && time <= 0.5 * self.duration
@@ -96,7 +96,7 @@ impl ImpactSeries {
     /// Impacts of the averaging period, which begins at the first time at or after `from` [s] at which sums are stored.
     /// If all these times are earlier than `from`, the last one is used. If there are none, no impacts are returned.
     pub fn since(&self, from: f64, record: &Record) -> Impacts {
-        let begun = self.marks.iter().find(|(time, _)| is_averaged(*time, from)).or(self.marks.last());
+        let begun = self.marks.iter().find(|(time, _)| *time >= from * (1.0 - 1e-9)).or(self.marks.last());
         begun.map_or_else(Impacts::default, |(_, before)| self.of(record).since(before))
     }
 

@@ -6,7 +6,7 @@
 //! instants. A particle in both sums contributes the product 1 of its two equal signs. The products of the signs of two
 //! different particles cancel on average.
 
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
@@ -68,7 +68,7 @@ impl Mixing {
     pub fn remembered(&self, from: f64) -> Option<f64> {
         let last = self.marks.last()?;
         let mut before = self.marks.iter().filter(|mark| mark.time < last.time);
-        let first = before.clone().find(|mark| is_averaged(mark.time, from)).or(before.next_back())?;
+        let first = before.clone().find(|mark| mark.time >= from * (1.0 - 1e-9)).or(before.next_back())?;
         let count: f64 = first.rows.iter().map(|row| row[0]).sum();
         let both = || first.rows.iter().zip(&last.rows);
         let by_chance = both().map(|(a, b)| a[0] * b[0]).sum::<f64>() / (count * count);

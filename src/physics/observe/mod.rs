@@ -89,12 +89,6 @@ macro_rules! plain_data {
 }
 use plain_data;
 
-/// True if a sample at the time `time` [s] belongs to the averages that begin at `from` [s]. Simulated time is a sum of
-/// many windows with rounding errors, so a sample also belongs to them if it is earlier by a billionth.
-fn is_averaged(time: f64, from: f64) -> bool {
-    time >= from - 1e-9 * from.abs()
-}
-
 /// Particles that an observer requires if several processes share a run and each process has a part of the particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {

@@ -1,7 +1,7 @@
 //! Mean motion of all particles, and the test for a steady state.
 
 use super::series::ShearStress;
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::{AverageFrom, Experiment};
 use crate::simulation::Simulation;
 use crate::statistics::{Batches, Estimate, Steadiness, SteadySeries, VelocitySpread, estimate, judge};
@@ -133,7 +133,7 @@ impl Motion {
 
     /// Index of the first sample at `from` [s] or later. If all samples are earlier, the number of samples.
     pub fn first(&self, from: f64) -> usize {
-        self.times.iter().position(|time| is_averaged(*time, from)).unwrap_or(self.times.len())
+        self.times.iter().position(|time| *time >= from).unwrap_or(self.times.len())
     }
 
     /// [m²/s²] granular temperature, averaged from the sample with the index `first` to the end. `None` if the

@@ -7,7 +7,7 @@
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
 use super::near_pairs::near_pairs;
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::{Experiment, Model, PairDistributionSettings};
 use crate::kinetic_theory::contact_value;
 use crate::schedule::Schedule;
@@ -146,7 +146,7 @@ fn weights_at_contact() -> Option<[f64; NEAR]> {
 impl Measurement for PairDistribution {
     fn result(&self, experiment: &Experiment, from: f64) -> Observation {
         let scene = &experiment.scene;
-        let samples: Vec<&PairSample> = self.samples.iter().filter(|sample| is_averaged(sample.time, from)).collect();
+        let samples: Vec<&PairSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
         let (counts, volume, species) = (experiment.counts(), scene.domain.volume(), &scene.species);
         let fraction: f64 = counts.iter().zip(species).map(|(n, of)| *n as f64 * of.volume()).sum::<f64>() / volume;
         let squares = counts.iter().zip(species).map(|(n, of)| *n as f64 * of.diameter * of.diameter);

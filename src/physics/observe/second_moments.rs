@@ -17,7 +17,7 @@
 //! momentum with the gas. The remainder of the budget is due to chance and to the width of the slices. The impact term
 //! includes the momentum that impacts carry over the distance between two centres.
 
-use super::{Observer, is_averaged};
+use super::Observer;
 use crate::exact::Groups;
 use crate::fluid::{Fluid, LocalFractions};
 use crate::schedule::Schedule;
@@ -249,7 +249,7 @@ impl SecondMoments {
     /// Budgets (rates at which single processes change the second moments), averaged over the parts of the run that
     /// begin at `from` [s] or later. `None` if there are no such parts, or if a slice contained no particle.
     pub fn budgets(&self, from: f64) -> Option<Budgets> {
-        let used: Vec<&MomentBlock> = self.parts.iter().filter(|part| is_averaged(part.start, from)).collect();
+        let used: Vec<&MomentBlock> = self.parts.iter().filter(|part| part.start >= from * (1.0 - 1e-9)).collect();
         let from = used.first()?.start;
         let size = used.len().div_ceil(BLOCKS);
         let whole = self.terms(&used)?;

@@ -4,7 +4,7 @@
 //! its turbulent kinetic energy k.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedQuantity};
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::Experiment;
 use crate::schedule::Schedule;
 use crate::simulation::Simulation;
@@ -50,8 +50,7 @@ impl SeenGas {
 
 impl Measurement for SeenGas {
     fn result(&self, experiment: &Experiment, from: f64) -> Observation {
-        let samples: Vec<&SeenGasSample> =
-            self.samples.iter().filter(|sample| is_averaged(sample.time, from)).collect();
+        let samples: Vec<&SeenGasSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
         let mean = |slice: usize, sum: usize| -> Option<Estimate> {
             let rows = samples.iter().map(|sample| &sample.slices[slice]).filter(|row| row[0] > 0.0);
             estimate(&rows.map(|row| row[sum] / row[0]).collect::<Vec<_>>())

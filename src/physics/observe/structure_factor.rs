@@ -3,7 +3,7 @@
 //! Theory of Simple Liquids, 4th edition 2013, section 4.1). S of an ideal gas is 1.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::domain::Domain;
 use crate::exact;
 use crate::experiment::{Experiment, Model, StructureFactorSettings};
@@ -84,8 +84,7 @@ impl StructureFactor {
 impl Measurement for StructureFactor {
     fn result(&self, experiment: &Experiment, from: f64) -> Observation {
         let scene = &experiment.scene;
-        let samples: Vec<&StructureSample> =
-            self.samples.iter().filter(|sample| is_averaged(sample.time, from)).collect();
+        let samples: Vec<&StructureSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
         let value = |bin: usize| estimate(&samples.iter().map(|sample| sample.bins[bin]).collect::<Vec<_>>());
         let values: Vec<_> = (0..self.vectors.len()).map(value).collect();
         let mean = |own: &Vec<Vector3<f64>>| own.iter().map(|k| k.norm()).sum::<f64>() / own.len() as f64;

@@ -13,7 +13,7 @@
 //! that is not Maxwellian remains too small by about 2 a₂/n.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::domain::Domain;
 use crate::experiment::{Experiment, VelocityDistributionSettings};
 use crate::kinetic_theory::{cooling_a2, heated_a2};
@@ -199,8 +199,7 @@ fn theory(experiment: &Experiment) -> Option<f64> {
 
 impl Measurement for VelocityDistribution {
     fn result(&self, experiment: &Experiment, from: f64) -> Observation {
-        let samples: Vec<&VelocitySample> =
-            self.samples.iter().filter(|sample| is_averaged(sample.time, from)).collect();
+        let samples: Vec<&VelocitySample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
         let width = self.largest / self.bins as f64;
         let place = |bin: usize| (bin as f64 + 0.5) * width;
         let curve = |which: usize, quantity: ObservedQuantity, name: &'static str, maxwell: fn(f64) -> f64| {

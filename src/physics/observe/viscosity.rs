@@ -15,7 +15,7 @@
 //! measurement.
 
 use super::measurements::{Measurement, Observation, ObservedCurve, ObservedNumber, ObservedQuantity};
-use super::{Needs, Observer, is_averaged, plain_data};
+use super::{Needs, Observer, plain_data};
 use crate::experiment::{Experiment, Model, ViscositySettings};
 use crate::kinetic_theory::{GasTransport, collision_frequency};
 use crate::schedule::Schedule;
@@ -66,7 +66,7 @@ impl Viscosity {
 
     /// Samples at the time `from` [s] and later.
     fn used(&self, from: f64) -> &[ViscositySample] {
-        let first = self.samples.partition_point(|sample| !is_averaged(sample.time, from));
+        let first = self.samples.partition_point(|sample| sample.time < from);
         self.samples.get(first..).unwrap_or_default()
     }
 
