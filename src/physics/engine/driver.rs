@@ -33,14 +33,14 @@ pub struct Work<'a, C> {
     pub lasting: &'a mut Vec<C>,
     /// Log of the impacts, energies and impulses in the time window.
     pub log: &'a mut Log,
-    /// Record of the run, to which the log is added at the end of the time window. If the log is full, a solver may add
-    /// it to the record earlier.
+    /// Record of the run (sums over impacts, energies and impulses), to which the log is added at the end of the time
+    /// window. If the log is full, a solver may add it to the record earlier.
     pub record: &'a mut Record,
 }
 
 impl<C> Work<'_, C> {
-    /// Returns the same data for `scene`, which is the scene of another instant of the window, in place of the present
-    /// scene.
+    /// Returns these data with `scene` in place of their scene. `scene` describes the same scene at another instant of
+    /// the window, since walls may move.
     pub fn in_scene<'b>(&'b mut self, scene: &'b Scene) -> Work<'b, C> {
         let Self { particles, lasting, log, record, .. } = self;
         Work { particles, scene, lasting, log, record }
@@ -64,8 +64,8 @@ pub type Lasting<S> = <<S as Solver>::Islands as Solve>::Carried;
 /// Result of trying to solve islands (groups of particles that may meet) in a time window.
 #[derive(Clone, Copy)]
 pub struct Trial {
-    /// [s] simulated time since the start of the window through which islands (groups of particles that may meet) were
-    /// solved.
+    /// [s] time from the start of the window to the instant up to which islands (groups of particles that may meet)
+    /// were solved.
     pub done: f64,
     /// Counts of the work in islands (groups of particles that may meet) before the trial.
     pub before: IslandCounters,
@@ -79,7 +79,8 @@ pub trait Solver: Send {
     /// Type that solves a single island (group of particles that may meet); several threads use it at the same time.
     type Islands: Solve;
 
-    /// State that the solver stores from one time window to the next, except contacts in progress or recent collisions.
+    /// State that the solver itself keeps from one time window to the next. The driver keeps contacts in progress and
+    /// recent collisions.
     type State: Serialize + DeserializeOwned;
 
     /// Returns the solver of single islands (groups of particles that may meet), which is a component of this solver.
@@ -109,11 +110,11 @@ pub trait Solver: Send {
     /// need the state, because a copy would double the memory.
     fn hand_over(&mut self, lasting: &mut Vec<Lasting<Self>>);
 
-    /// Calls `visit` with a copy of each item of state (such as a contact) that [`hand_over`](Self::hand_over) would
-    /// move.
+    /// Calls `visit` with a copy of each item of carried state (such as a contact) that the classical algorithm (all
+    /// particles at once) has stored.
     fn for_each_kept(&self, visit: &mut dyn FnMut(Lasting<Self>));
 
-    /// Marks stored data on the order and places of particles as outdated. Islands (groups of particles that may meet)
+    /// Marks the stored order and positions of the particles as outdated. Islands (groups of particles that may meet)
     /// may have moved or sorted the particles.
     fn disturb(&mut self);
 
@@ -148,11 +149,11 @@ pub trait Solver: Send {
     /// Returns `spent` plus the computing time of the classical algorithm (all particles at once) so far.
     fn spent(&self, spent: EngineTimes) -> EngineTimes;
 
-    /// Returns the state that the solver stores from one time window to the next, except carried contacts or
-    /// collisions.
+    /// Returns the state that the solver itself keeps from one time window to the next, without contacts in progress
+    /// and recent collisions.
     fn state(&self) -> Self::State;
 
-    /// Continues from a state that [`state`](Self::state) has returned.
+    /// Continues from a stored state of a solver, which [`state`](Self::state) has returned.
     fn resume(&mut self, state: Self::State);
 }
 
@@ -167,7 +168,7 @@ struct DriverState<C, S> {
     islands: IslandCounters,
     /// Wall-clock time spent on islands (groups of particles that may meet).
     spent: EngineTimes,
-    /// State that the solver stores, except contacts or recent collisions.
+    /// State that the solver itself keeps, without contacts in progress and recent collisions.
     solver: S,
 }
 
@@ -205,8 +206,8 @@ impl<S: DistributedSolver> Driver<S> {
     }
 
     /// Data for the choice between islands (groups of particles that may meet) and the classical algorithm (all
-    /// particles at once); `None` if islands are not tried. If they are tried, the solver passes its carried state
-    /// (such as contacts) to them.
+    /// particles at once); `None` if islands are not tried. If they are tried, the solver moves its carried state (such
+    /// as contacts) to `work`.
     fn choice(&mut self, work: &mut Work<Lasting<S>>, window: Window) -> Option<IslandCost> {
         let population = self.islands.population(work);
         let speeds = self.islands.speeds(work, &population);

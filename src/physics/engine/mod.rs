@@ -93,7 +93,7 @@ pub trait Engine: Send {
         [0.0; 3]
     }
 
-    /// Calls `visit` with each two bodies (two particles, or a particle and a wall) that are now in contact, by index.
+    /// Calls `visit` with each pair of bodies (two particles, or a particle and a wall) in contact, given by indices.
     /// For soft spheres, these are the contacts that were in progress when the engine last tested the gaps. If contacts
     /// are instantaneous, `visit` is not called, which is the default.
     fn for_each_touching(&self, _visit: &mut dyn FnMut(Couple)) {}
@@ -174,8 +174,8 @@ pub struct Counters {
     pub force_evaluations: u64,
     /// Number of impulses applied (hard and hybrid spheres, and collisions by chance).
     pub events: u64,
-    /// Number of collisions without impulse, because the spheres already separated at the next check (hard spheres with
-    /// steps).
+    /// Number of collisions that received no impulse (hard spheres in time steps), because the two spheres met and
+    /// began to separate within the same step.
     pub missed_collisions: u64,
     /// Number of neighbour lists and cell grids built.
     pub neighbour_builds: u64,
@@ -298,8 +298,8 @@ pub enum Failure {
         impacts: u64,
         /// Time [s] between the last two impacts.
         interval: f64,
-        /// Contact time t_c [s] of the TC model, in which a collision is elastic soon after another one; `None` if this
-        /// model is not used.
+        /// Contact time t_c [s] of the TC model, in which a collision is elastic if the particle collided less than t_c
+        /// before; `None` if this model is not used.
         contact_time: Option<f64>,
         /// Speed [m/s] at which the particle slides along a curved wall, if this is the reason for its many impacts;
         /// otherwise `None`.

@@ -9,12 +9,12 @@ use crate::work_sharing;
 
 use nalgebra::Vector3;
 
-/// Number of particles that a thread moves as one piece of work. With larger pieces, the last thread would finish
-/// later.
+/// Number of particles that a thread moves as one piece of work. With larger pieces, the other threads would wait
+/// longer for the last one.
 const PART: usize = CHUNK / 4;
 
-/// Moves every particle: x += v dt + shift. The velocities v belong to a frame that falls with gravity, and `shift` [m]
-/// is the distance by which this frame falls in the time `dt` [s].
+/// Moves every particle: position x += v dt + shift. The velocities v belong to a frame that falls with gravity, and
+/// `shift` [m] is the distance by which this frame falls in the time `dt` [s].
 pub fn drift(particles: &mut Particles, dt: f64, shift: Vector3<f64>) {
     let each = |positions: &mut [Vector3<f64>], velocities: &[Vector3<f64>]| {
         for (x, v) in positions.iter_mut().zip(velocities) {

@@ -21,23 +21,25 @@ pub struct PopulationSummary {
     pub lightest: f64,
     /// Means over all particles of the radius [m] and of its square [m²].
     pub mean_radius: [f64; 2],
-    /// [-] volume fraction: volume of the particles divided by the volume open to them.
+    /// [-] volume fraction: volume of the particles over that of the box, or of the smallest hollow wall in it.
     pub filled: f64,
     /// [-] mean volume fraction around a particle. It is larger than `filled` if gravity holds the particles in a layer
-    /// that does not fill the box. It equals `filled` if velocities also change between windows, since no choice then
-    /// depends on it, and if each process stores only some of the particles at the start of a run.
+    /// that does not fill the box. It equals `filled` if forces outside the engine, such as drag, act between windows,
+    /// since no choice then depends on it. It also equals `filled` if each process stores only some of the particles at
+    /// the start of a run.
     pub crowded: f64,
     /// True if not all particles have equal radii.
     pub mixed: bool,
     /// Number of particles in each range of sizes; `None` if the sizes differ so little that a single grid of cells
     /// serves for all.
     pub census: Option<Census>,
-    /// [1/m³] number density: number of particles per volume open to them.
+    /// [1/m³] number density: number of particles per volume of the box, or of the smallest hollow wall in it.
     pub density: f64,
 }
 
 impl PopulationSummary {
-    /// Summary of all particles of a run, some of which may be stored by other processes.
+    /// Summary of all particles of a run, some of which may be stored by other processes; all these processes must call
+    /// this function.
     pub fn of(sample: &Sample, scene: &Scene) -> Self {
         let (radius, mass, volume) = (&sample.particles.radius, &sample.particles.mass, scene.room());
         let ([mean, square, cube], count) = (sample.mean_radii(1.0), sample.count());

@@ -8,9 +8,9 @@ use super::ghost_islands::{HotParticleDigest, agree_with, tell};
 use super::packing::{packed, unpacked};
 use crate::engine::islands::{IslandFinder, Reach};
 
-/// [-] ratio of two distances from the block (region of the box) of a process. Within the first distance, the process
-/// copies particles of other processes; the second is the distance that was needed in the last part (piece of a
-/// window). The ratio exceeds 1, because copying a few particles too many costs less than repeating a part.
+/// [-] factor by which the needed distance is increased, for the next part (piece of a window) or for the repetition of
+/// a part. Within this distance from its block (region of the box), a process copies particles of other processes. The
+/// factor exceeds 1, because copying a few particles too many costs less than repeating a part.
 const SPARE: f64 = 1.25;
 
 /// Joint decision of all processes, after each has tried to solve its islands (groups of particles that may meet) in a
@@ -79,10 +79,9 @@ impl<C> Domains<C> {
         !failed && agree_with(islands, |index| view.is_mine(index), &heard)
     }
 
-    /// Derives the joint decision of all processes about a part (piece of a window). It depends on the result
-    /// `opinion` of this process and on the results of the other processes. Adapts the distance from which this
-    /// process copies particles of other processes. `half_period` [m] is half the shortest period of the box, and
-    /// `size` [m] its longest edge.
+    /// Derives the joint decision of all processes about a part (piece of a window) from the result `opinion` of this
+    /// process and the results of the other processes. Adapts the distance from which this process copies particles of
+    /// other processes. `half_period` [m] is half the shortest period of the box, and `size` [m] its longest edge.
     fn vote(&mut self, opinion: &LocalStatus, half_period: f64, size: f64) -> PartDecision {
         let LocalStatus { reach, room, failed, agrees } = *opinion;
         let flag = |set: bool| if set { 1.0 } else { 0.0 };

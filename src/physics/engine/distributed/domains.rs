@@ -98,7 +98,8 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         }
     }
 
-    /// Returns, in every process, the value that the lead process has passed. All processes must call this function.
+    /// Returns, in every process, the `value` that the lead process (process 0) has passed. All processes must call
+    /// this function.
     pub fn of_lead<T: Serialize + DeserializeOwned>(&self, value: T) -> T {
         unpacked(&self.communicator.broadcast(packed(&value))).unwrap_or(value)
     }
@@ -179,8 +180,9 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         LocalParticles { mine, count, lasting: before, strangers, complete: agrees, region }
     }
 
-    /// Decides to which processes the particles of this process are sent; the arguments are those of
-    /// [`trade`](Self::trade). The first result is, for each particle, true if this process owns it. The second result
+    /// Decides to which processes the particles of this process are sent. A flight is the straight motion during `part`
+    /// [s], in a frame with the velocity `frame` [m/s]. No point of a particle is farther than `flight` [m] from the
+    /// middle of its flight. The first result is, for each particle, true if this process owns it. The second result
     /// is, for each process, the indices of the particles to be sent there: those that it now owns, and those of which
     /// it needs copies.
     fn sort_out(&self, work: &Work<C>, (frame, part): (Vector3<f64>, f64), flight: f64) -> (Vec<bool>, Vec<Vec<u32>>) {
@@ -240,7 +242,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
         (mine, lent)
     }
 
-    /// True if there are enough particles to share uniform time steps among the processes.
+    /// True if several processes share the run, and each has enough particles on average to share uniform time steps.
     pub fn is_worth_it(&self) -> bool {
         let size = self.communicator.size();
         size > 1 && self.population.count >= FEWEST * size

@@ -9,7 +9,7 @@ use crate::scene::Scene;
 /// Operations within uniform time steps that involve other processes. The default methods are for a single process,
 /// which stores all particles.
 pub trait GhostExchange {
-    /// True if this process is the lead process (process 0), or the only one.
+    /// True if this process is the lead process (process 0) or the only process.
     fn is_lead(&self) -> bool {
         true
     }
@@ -31,9 +31,9 @@ pub trait GhostExchange {
         not_a_number(particles, time)
     }
 
-    /// Builds the neighbour list again, for uses that are `times[0]` [s] apart. Several processes also exchange the
-    /// particles that have left their blocks (regions of the box). Before this exchange, forces that are computed but
-    /// not yet applied change the velocities, for the remaining time `times[1]` [s].
+    /// Builds the neighbour list again, for steps that are `times[0]` [s] apart. If several processes share the run,
+    /// particles that have left the block (region of the box) of their process are then sent to the new owner. Before
+    /// that, forces that are computed but not yet applied change the velocities, for the remaining time `times[1]` [s].
     fn rebuild(&mut self, solver: &mut SoftSolver, particles: &mut Particles, scene: &Scene, times: [f64; 2]) {
         solver.rebuild(particles, scene, times[0]);
     }

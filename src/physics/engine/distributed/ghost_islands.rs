@@ -44,10 +44,10 @@ pub fn tell<'a>(
     }
 }
 
-/// True if other processes have the same results for the islands (groups of particles that may meet) of this process.
-/// These are the islands with a particle for whose index `chosen` returns true. The checksums of these islands must be
-/// equal, and no other particle in the messages may meet one of them. `told` contains the messages, each with the
-/// index of its particle in this process.
+/// True if other processes have the same results for the islands (groups of particles that may meet) of this process,
+/// which contain a particle for whose index `chosen` returns true. The checksums of these islands must be equal, and no
+/// particle in the messages may meet one of these islands without being a member. `told` contains the messages, each
+/// with the index of its particle in this process.
 pub fn agree_with<'a>(
     islands: &impl IslandFinder<'a>,
     chosen: impl Fn(u32) -> bool,
@@ -82,10 +82,10 @@ pub fn agree_with<'a>(
     alike && told.iter().all(|(index, told)| is_known(*index) || !meets(*index, told))
 }
 
-/// Members that may meet a particle in the messages `told`, but are not in the cells of the search, because they were
-/// added later. Only islands (groups of particles that may meet) with a particle of this process are searched, for
-/// which `own` is true. Members too deep inside the region to meet such a particle are left out. No member, and no
-/// ball in the messages, reaches farther than `widest` [m] from its middle.
+/// Members of islands (groups of particles that may meet) that may meet a particle in the messages `told`, but are not
+/// in the cells of the search, because they were added later. Only islands with a particle of this process are
+/// searched; `own` is true for these islands. Members too deep inside the region that this process stores to meet such
+/// a particle are left out. No member, and no ball in the messages, reaches farther than `widest` [m] from its middle.
 fn late_near<'i, 'a: 'i>(
     islands: &'i impl IslandFinder<'a>,
     own: &[bool],

@@ -82,8 +82,9 @@ pub trait Distributed: Engine {
         next: &mut dyn FnMut(usize) -> Vec<u8>,
     );
 
-    /// Contacts in progress between a particle of this process and one of another process, each with the index of the
-    /// particle of this process. Both processes return the contact.
+    /// Contacts in progress between a particle of this process and one of another process: the index of the particle of
+    /// this process, and the overlap. Both processes return the contact. Contacts without overlap, or whose overlap is
+    /// not yet known, are left out.
     fn touching_abroad(&self) -> Vec<(u32, Overlap)>;
 }
 

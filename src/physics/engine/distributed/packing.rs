@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// [bytes] size of the number that tells how many bytes of particle data follow.
+/// [bytes] size of the number at the start of a message, which tells how many bytes of particle data follow.
 const LENGTH: usize = 8;
 
 /// Packs all particles of this process and their carried items (contacts in progress, or recent collisions) into
@@ -52,9 +52,10 @@ pub fn add_received_contacts<S: Solve>(
 }
 
 impl<C: Copy + Serialize + DeserializeOwned> Domains<C> {
-    /// Distributes a part of a stored run, which the lead process has read as `bytes`, to the processes that own the
-    /// blocks (regions of the box). In each process, returns the bytes with the particles of this process and their
-    /// contacts. All processes must call this function; those other than the lead process pass empty `bytes`.
+    /// Distributes one part of a stored run (a share of its particles) to the processes that own the blocks (regions of
+    /// the box). The lead process (process 0) has read the part as `bytes`; the other processes pass empty `bytes`.
+    /// Returns, in each process, bytes with the particles of this process and their contacts. All processes must call
+    /// this function.
     pub fn deal<S: Solve<Carried = C>>(&self, bytes: &[u8], domain: &Domain) -> Vec<u8> {
         let mut outgoing = vec![Vec::new(); self.communicator.size()];
         let mut part = Particles::default();

@@ -63,7 +63,7 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         self.domains.as_ref().is_some_and(|domains| domains.gathered.is_some())
     }
 
-    /// True if this process is the lead process (process 0), or the only one.
+    /// True if this process is the lead process (process 0) or the only process.
     pub fn is_lead(&self) -> bool {
         self.domains.as_ref().is_none_or(Domains::is_lead)
     }
@@ -157,9 +157,10 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
         }
     }
 
-    /// Replaces all particles and contacts in progress by those of a stored run, which consists of `count` packed
-    /// parts. In the lead process (process 0), `next` returns the part with a given number. Each process keeps the
-    /// particles in its block (region of the box), among blocks of equal size; a single process keeps all particles.
+    /// Replaces all particles and contacts in progress by those of a stored run, which consists of `count` packed parts
+    /// (shares of its particles). In the lead process (process 0), `next` returns the part with a given number. Each
+    /// process keeps the particles in its block (region of the box), among blocks of equal size; a single process keeps
+    /// all particles.
     pub fn take_parts<S: Solve<Carried = C>>(
         &mut self,
         solver: &S,

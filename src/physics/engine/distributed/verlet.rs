@@ -258,10 +258,11 @@ impl SoftSolver {
         result
     }
 
-    /// Begins shared steps at a time when the lead process (process 0) stores all particles.
+    /// Begins uniform time steps that all processes share, at a time when the lead process (process 0) stores all
+    /// particles.
     ///
     /// If the lead process has a neighbour list in use, the particles are distributed when the list is next built.
-    /// Until then the other processes store no particles. Otherwise the particles are distributed at once.
+    /// Until then the other processes store no particles. Without such a list, the particles are distributed at once.
     fn start_together(&mut self, work: &mut Work<Contact>, domains: &mut Domains<Contact>) {
         let is_in_use = self.has_forces || self.list.allows(0.0);
         let known = (is_in_use && domains.is_lead()).then(|| (self.list.without_pairs(), self.has_forces));
@@ -305,8 +306,8 @@ impl DistributedSolver for SoftSolver {
         Some(&mut self.islands.allowance.each)
     }
 
-    /// False for Heun's method, and for rough walls, at which velocities also change between the exchanged kicks
-    /// (changes of velocities by forces).
+    /// True if several processes can share uniform steps. The result is false for Heun's method and for rough walls,
+    /// because velocities then change also at times when the processes do not exchange new velocities.
     fn shares_steps(&self, scene: &Scene) -> bool {
         self.integrator == Integrator::VelocityVerlet && !scene.has_rough_walls()
     }

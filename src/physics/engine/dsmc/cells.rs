@@ -110,7 +110,7 @@ impl RadiusSummary {
     }
 }
 
-/// Local crowding of particles around a pair, from which the contact value (Enskog factor) of the pair follows.
+/// Crowding of the particles around a pair, from which the contact value (Enskog factor) of the pair follows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Crowding {
     /// [-] volume fraction φ of the particles around the pair.
@@ -138,7 +138,7 @@ pub struct CollisionCells {
     pub order: Vec<u32>,
     /// [m³] part of each cell's volume in which centres of the smallest particles can be.
     pub open: Vec<f64>,
-    /// Number of blocks of cells along each axis. A volume fraction is computed for each block.
+    /// Number of blocks (groups of cells) along each axis. One volume fraction is computed for each block.
     blocks: [usize; 3],
     /// [-] volume open to whole spheres divided by the smaller volume open to their centres.
     shell: f64,
@@ -181,8 +181,8 @@ impl CollisionCells {
         &self.order[self.grid.items_of(cell)]
     }
 
-    /// Computes the local crowding in each block of cells, in the order of the blocks; `block_of` gives the number of a
-    /// cell's block.
+    /// Computes the crowding (local volume fraction and second moment of the diameters) in each block of cells, in the
+    /// order of the blocks. [`block_of`](Self::block_of) returns the number of a cell's block.
     pub fn crowding(&self, particles: &Particles, sizes: &RadiusSummary) -> Vec<Crowding> {
         let cells = self.open.len();
         let pieces = (0..cells.div_ceil(PIECE)).map(|piece| piece * PIECE..cells.min((piece + 1) * PIECE));

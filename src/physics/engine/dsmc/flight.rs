@@ -11,7 +11,7 @@ use crate::walls::{Flight, Geometry, NearWalls, Plane, Touch, Wall, WallGeometry
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Number of particles that a thread moves as one piece of work.
+/// Number of particles that a thread moves as one piece of work, if they are far from walls.
 const PART: usize = CHUNK / 4;
 
 /// Number of particles near walls that a thread moves as one piece of work. A particle near walls takes as much
@@ -54,7 +54,7 @@ impl FlightWalls {
         self.planes.iter().any(touches) || (!self.are_flat && self.may_be_met(scene, [from, to], reach))
     }
 
-    /// True if a wall is within `reach` [m] of the ball whose diameter is the line between two points [m].
+    /// True if a wall is within `reach` [m] of the ball that has the line between the two points [m] as a diameter.
     fn may_be_met(&self, scene: &Scene, [from, to]: [&Vector3<f64>; 2], reach: f64) -> bool {
         let (middle, around) = ((from + to) * 0.5, reach + 0.5 * (to - from).norm());
         let mut found = false;
@@ -73,8 +73,8 @@ type FlownParticle = (u32, Motion, Option<Failure>);
 /// number of impacts.
 ///
 /// # Errors
-/// A particle has infinitely many impacts on a wall, because it comes to rest there. All other particles are then at
-/// the end of the flight.
+/// A particle has infinitely many impacts on a wall, because it comes to rest there or slides along the wall. All other
+/// particles are then at the end of the flight.
 pub fn fly(
     particles: &mut Particles,
     scene: &Scene,

@@ -42,7 +42,7 @@ pub struct Dsmc {
 struct DsmcState {
     counters: Counters,
     /// [1/s] mean collision rate of a particle, expected at the velocities before the last collisions. If the radii
-    /// differ, it is an upper limit. `None` before the first step.
+    /// differ, `rate` is an upper limit. `None` before the first step.
     rate: Option<f64>,
     /// [s] simulated time for which the particles have flown so far, minus that for which collisions have been
     /// computed; negative if the collisions are ahead of the flight.
@@ -57,8 +57,8 @@ pub fn cells_and_path(scene: &Scene, settings: &DsmcSettings, groups: &[(usize, 
     (cells.edges(), sizes.mean_free_path(scene.room(), settings.enskog))
 }
 
-/// Largest number of windows (times between two exchanges with the gas) that share one collision step. More windows
-/// would be too many, because the collision rate is known only from the last step, and may have changed since.
+/// Largest number of windows (times between two exchanges with the gas) that share one collision step. The collision
+/// rate is known only from the last step, and may change much in more windows.
 const MOST_WINDOWS: f64 = 16.0;
 
 /// Data of the engine that follow from the scene and from the sizes of the particles; made at the first window.

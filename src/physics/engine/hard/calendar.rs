@@ -9,8 +9,8 @@ use rustc_hash::FxBuildHasher;
 use std::cmp::Reverse;
 
 /// Key by which the event queue is sorted: the time of a touch [s since the start of the part, an interval of time],
-/// then the slot (number of the candidate pair or wall). If times are equal, the event with the lower slot comes first,
-/// so that runs are reproducible.
+/// then the slot (number of the candidate pair or wall). `Reverse` makes the earliest event come first. If times are
+/// equal, the event with the lower slot comes first, so that runs are reproducible.
 type DueEvent = Reverse<(OrderedFloat<f64>, u32)>;
 
 /// Event queue of an island (group of particles that may meet). It contains at most one coming touch for each slot. A

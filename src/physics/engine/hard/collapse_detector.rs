@@ -28,13 +28,12 @@ const COLLAPSE_FLIGHT: f64 = 64.0 * f64::EPSILON;
 const ZENO_FLIGHTS: u8 = 3;
 
 /// Number of impacts of one particle within one window, the time between two exchanges with the gas, that counts as an
-/// inelastic collapse. The limit does not apply in the TC model, in which a collision is elastic within a contact time
-/// after another one. Spheres at rest then collide about once per contact time, without end.
+/// inelastic collapse. The limit does not apply in the TC model, in which a collision is elastic if the particle
+/// collided less than a contact time before. Spheres at rest then collide about once per contact time, without end.
 const COLLAPSE_IMPACTS: u32 = 1_000_000;
 
-/// Last collision of one particle, stored from one window (time between two exchanges with the gas) to the next. The TC
-/// model needs the time of this collision: in the model, a collision is elastic soon after another one of the same
-/// particle.
+/// Last collision of one particle, stored from one window (time between two exchanges with the gas) to the next. It is
+/// needed in the TC model, in which a collision is elastic if the particle collided less than a contact time before.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Recent {
     /// Index of the particle in the particle store.
@@ -79,7 +78,8 @@ impl LastCollision {
 
     /// Adds a collision at simulated time `time` [s] to the history of the particle. Returns the time [s] since the
     /// particle's previous collision if the collisions show an inelastic collapse, otherwise `None`. `contact_time` [s]
-    /// is that of the TC model, in which a collision is elastic soon after another one; `None` without this model.
+    /// is that of the TC model, in which a collision is elastic if the particle collided less than this time before;
+    /// `None` without this model.
     pub fn note(&mut self, collision: &Collision, scene: &Scene, time: f64, contact_time: Option<f64>) -> Option<f64> {
         let interval = time - self.last;
         let flown = collision.approach().abs() * interval;
@@ -110,13 +110,13 @@ pub fn sliding(collision: &Collision, scene: &Scene) -> Option<f64> {
 /// message.
 #[derive(Clone, Copy, Debug)]
 pub struct Collapsed {
-    /// Number of impacts of the particle in this window (time between two exchanges with the gas), without those in
-    /// islands (groups of particles solved separately) before.
+    /// Number of impacts of the particle in this window (time between two exchanges with the gas). Impacts in islands
+    /// (groups of particles solved separately) earlier in the window are not counted.
     pub impacts: u32,
     /// [s] time between the last two impacts of the particle.
     pub interval: f64,
-    /// Contact time [s] of the TC model, in which a collision is elastic soon after another one; `None` without this
-    /// model.
+    /// Contact time [s] of the TC model, in which a collision is elastic if the particle collided less than this time
+    /// before; `None` without this model.
     pub contact_time: Option<f64>,
     /// Speed [m/s] of sliding along a curved wall, if this is the reason for the many impacts; otherwise `None`.
     pub sliding: Option<f64>,
@@ -135,8 +135,8 @@ impl Collapsed {
 /// Normal speed [m/s] away from the wall that the TC model gives to a particle at rest on a wall. In this model a
 /// collision is elastic if the particle collided less than the contact time t_c before. `None` if the particle does not
 /// rest, if the other body is no wall, or without t_c. A particle rests if gravity, or the acceleration of a moving
-/// wall, presses it to the wall, and if its speed of approach is very small. With this speed it would rise from the
-/// wall by an unresolvably small height.
+/// wall, presses it to the wall, and if its speed of approach is very small. With this speed of approach, the particle
+/// would rise from the wall by an unresolvably small height.
 ///
 /// Without t_c the particle would have infinitely many collisions in finite time. In reality a contact of finite
 /// duration carries the weight during its contact time. Here the particle rebounds at a_n t_c/4, with a_n the

@@ -125,8 +125,8 @@ impl Collision {
 
     /// Applies the impulse to the velocities and spins in `particles`, and adds the impact to `log`. An impulse **J**
     /// of a wall also changes the work of gravity **g** until the end of the window, `remaining` [s] later, by
-    /// **g**·**J** `remaining`; the log contains this change. Returns the velocity changes [m/s] of `i` and of the
-    /// other particle (zero for a wall).
+    /// **g**·**J** `remaining`; the log contains this change. Returns the velocity changes [m/s] of the first particle
+    /// and of the second one (zero for a wall).
     pub fn resolve(
         &self,
         particles: &mut Particles,
@@ -168,10 +168,10 @@ impl Collision {
         WallApproach { velocity, normal, id: particles.id[self.couple.i as usize], wall }
     }
 
-    /// Adds the impact to `log`, and returns the velocity changes [m/s] of `i` and of the other particle (zero for a
-    /// wall). The velocities in `particles` stay, but the spins of rotating spheres are changed there. An impulse **J**
-    /// of a wall also changes the work of gravity **g** until the end of the window, `remaining` [s] later, by
-    /// **g**·**J** `remaining`; the log contains this change.
+    /// Adds the impact to `log`, and returns the velocity changes [m/s] of the first particle and of the second one
+    /// (zero for a wall). The velocities in `particles` stay, but the spins of rotating spheres are changed there. An
+    /// impulse **J** of a wall also changes the work of gravity **g** until the end of the window, `remaining` [s]
+    /// later, by **g**·**J** `remaining`; the log contains this change.
     pub fn apply_impulse(
         &self,
         weights: &CollisionMasses,

@@ -14,8 +14,8 @@ use crate::walls::Touch;
 use nalgebra::Vector3;
 
 /// Solver that moves the hard spheres of one island (group of particles that may meet) from collision to collision
-/// through a part (interval of time). The solver passes only the times of recent collisions to the next part. They are
-/// needed for the TC model, in which a collision is elastic soon after another one.
+/// through a part (interval of time). Only the times of recent collisions are carried to the next part. The TC model
+/// needs them: in it, a collision is elastic if the particle collided less than a contact time before.
 #[derive(Default)]
 pub struct HardIslands {
     /// Contact time t_c [s] of the TC model, in which a collision is elastic if either particle collided less than t_c

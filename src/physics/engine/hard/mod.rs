@@ -167,8 +167,8 @@ impl Solver for HardSolver {
     /// those in the particle store. If the ids differ, the queue is made anew, and keeps the collision histories.
     fn repopulate(&mut self) {}
 
-    /// Does nothing, because the recent collisions are returned at the end of each window in which all particles were
-    /// moved at once.
+    /// Does nothing, because `lasting` already contains the recent collisions. They are stored there at the end of each
+    /// window in which all particles were moved at once.
     fn hand_over(&mut self, _lasting: &mut Vec<Recent>) {}
 
     fn for_each_kept(&self, _visit: &mut dyn FnMut(Recent)) {}

@@ -34,7 +34,8 @@ pub struct Stop {
     pub index: u32,
     /// True if the particle is a bystander, which was expected to fly straight; false if it is a member of the island.
     pub bystander: bool,
-    /// [m/s] speed of the particle, relative to the moving frame in which speed limits are given.
+    /// [m/s] speed of the particle, relative to the moving frame in which the speed limits (estimated upper bounds) of
+    /// the members are given.
     pub speed: f64,
 }
 
@@ -45,7 +46,7 @@ pub enum GivenUp {
     /// failure.
     Failed,
     /// The island (group of particles that may meet) costs too much. It becomes a crowd, an island that is moved by
-    /// uniform steps. If the engine does not take crowds, uniform steps or one event queue move all particles of the run.
+    /// uniform steps. If the engine does not take crowds, uniform steps or one event queue move all particles.
     TooExpensive,
 }
 
@@ -101,7 +102,7 @@ pub struct Solved {
     /// Number of contact forces that were computed in the island, those of uniform steps included.
     pub force_evaluations: u64,
     /// Measure of the work: one for each particle moved in each stage of the time integrator, plus one for each gap
-    /// checked after a step.
+    /// checked after a step. In a crowd (island moved by uniform steps) both count one half.
     pub updates: u64,
 }
 
@@ -220,7 +221,8 @@ impl<C: Copy + Send + Sync> IslandResults<'_, C> {
         });
     }
 
-    /// New state of the island member that has the label `label`; `None` if its island has no result.
+    /// New state of the island member to which the mark `label` points; `None` if the island of this member has no
+    /// result.
     fn state(&self, label: Label) -> Option<&HotParticle> {
         let (kept, number) = self.landing.of_member[label.member()]?;
         let IslandResult { batch, number: which, .. } = self.landing.kept[kept as usize];

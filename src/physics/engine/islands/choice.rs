@@ -14,9 +14,9 @@ use std::sync::Arc;
 pub struct SpeedSummary {
     /// [m/s] velocity of the frame in which speeds are measured: the mean velocity of all particles along the walls.
     pub frame: Vector3<f64>,
-    /// [m/s] root of the mean square speed of all particles relative to the frame.
+    /// [m/s] root of the mean square speed of all particles relative to the moving frame with the velocity `frame`.
     pub mean: f64,
-    /// [m/s] largest speed of any particle relative to the frame.
+    /// [m/s] largest speed of any particle relative to the moving frame with the velocity `frame`.
     pub largest: f64,
 }
 
@@ -67,7 +67,8 @@ pub struct PartLimits {
     /// Number of contacts in progress. In every part (interval of time) their particles are copied into a crowd (an
     /// island moved by uniform steps) and back.
     pub held: usize,
-    /// Measured costs of finding and solving islands, by which the length is chosen.
+    /// Measured costs of finding and solving islands (groups of particles that may meet), by which the length of the
+    /// part (interval of time) is chosen.
     pub costs: PartCosts,
 }
 

@@ -23,16 +23,17 @@ pub struct IslandCounters {
     /// Number of contact forces computed in all islands, those in uniform steps of crowds included.
     pub force_evaluations: u64,
     /// Measure of the work: one for each particle moved in each stage of the time integrator, plus one for each gap
-    /// checked after a step.
+    /// checked after a step. In crowds (islands moved by uniform steps) both count one half.
     pub updates: u64,
     /// Estimated number of pairs that searches for touching particles check. Unlike the actual number, it does not
     /// depend on the number of processes that share the run.
     pub foreseen: u64,
     /// Number of searches for touching particles, each with a new grid of cells.
     pub neighbour_builds: u64,
-    /// Number of islands with a valid result; an island is counted once per interval for which it is solved.
+    /// Number of islands (groups of particles that may meet) with a valid result; each part (piece of a window) adds
+    /// the number of its islands.
     pub islands: u64,
-    /// Sum of the numbers of members of all islands (groups of particles that may meet) that `islands` counts.
+    /// Number of members of the islands (groups of particles that may meet) that `islands` counts.
     pub members: u64,
     /// Number of members of the largest island (group of particles that may meet) that was solved.
     pub largest: u64,
@@ -42,8 +43,8 @@ pub struct IslandCounters {
 }
 
 impl IslandCounters {
-    /// Adds the counts of `other` to these counts; the size of the largest island (group of particles that may meet)
-    /// is the greater of both.
+    /// Adds to these counts those counts of `other` that are sums over islands (groups of particles that may meet). The
+    /// size of the largest island becomes the greater of both.
     pub fn add(&mut self, other: &Self) {
         let largest = self.largest.max(other.largest);
         for (own, other) in self.sums().into_iter().zip(other.clone().sums()) {

@@ -52,7 +52,7 @@ pub struct Island<C> {
     /// Number of contact forces that were computed in the island, those of uniform steps included.
     pub force_evaluations: u64,
     /// Measure of the work: one for each particle moved in each stage of the time integrator, plus one for each gap
-    /// checked after a step. In uniform steps, each counts only half.
+    /// checked after a step. In a crowd (island moved by uniform steps) both count one half.
     pub updates: u64,
     /// Local indices of further particles that exceeded their speed limit, or that were hit although they are
     /// bystanders. The particle that the solver returns is not repeated here.

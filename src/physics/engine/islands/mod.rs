@@ -148,7 +148,8 @@ pub struct Islands<C> {
     /// Wall-clock time that searches and flights have taken so far.
     pub spent: EngineTimes,
     pub(super) counters: IslandCounters,
-    /// Indices of the particles that were members of islands in the last part (interval of time) of a window.
+    /// Indices of the particles that were members of islands (groups of particles that may meet) in the last part
+    /// (interval of time) of a window.
     pub(super) members: Vec<u32>,
     search: Search,
     frame: Vector3<f64>,

@@ -51,8 +51,8 @@ impl BoundingSphere {
 
     /// Enlarges the ball in a sheared box, where the frames of two particles move relative to each other. `way` [m] is
     /// the largest distance of any point of the particle, during `part` [s], from the initial position of its centre.
-    /// If two particles touch, their distance along y at the start was at most the sum of both ways. Their frames are
-    /// then displaced relative to each other by at most the shear rate times `part` times this sum.
+    /// If two particles touch, their distance along y at the start was at most the sum of `way` of both. Their frames
+    /// are then displaced relative to each other by at most the shear rate times `part` times this sum.
     #[inline]
     pub fn strained(self, domain: &Domain, part: f64, way: f64) -> Self {
         match domain.shear {

@@ -7,14 +7,13 @@
 use super::next_events::FlightState;
 use crate::domain::Domain;
 
-/// The particle whose neighbours are tested: its flight, in the falling frame of the calendar (the event queue of all
-/// particles).
+/// The particle whose neighbours are tested, with its flight in the frame that falls with gravity.
 pub struct ObservingParticle<'a> {
     /// Flight of the particle.
     pub flight: &'a FlightState,
-    /// [s] time since the epoch (zero of the calendar's time) up to which touches are looked for.
+    /// [s] time since the epoch (zero of the event queue's time) up to which touches are looked for.
     pub until: f64,
-    /// [s] present time since the epoch (zero of the calendar's time).
+    /// [s] present time since the epoch (zero of the event queue's time).
     pub now: f64,
     /// True if no neighbour has a flight that began later than that of the particle.
     pub is_latest: bool,
@@ -29,7 +28,7 @@ pub struct ObservingParticle<'a> {
 /// touch depends only on the two flights, and not on the instant of the prediction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FourNeighbours {
-    /// [s] start of the later of both flights, since the epoch (zero of the calendar's time).
+    /// [s] start of the later of both flights, since the epoch (zero of the event queue's time).
     pub start: [f64; 4],
     /// [m²/s] half the rate at which the squared distance of the centres decreases; positive if the particles approach.
     pub closing: [f64; 4],
@@ -57,8 +56,8 @@ impl ObservingParticle<'_> {
     /// Computes the relative motion of the particle and the neighbours `others`; `touch` [m²] contains the squared
     /// distances of the centres at touch. Also returns a bit mask: bit k is set if neighbour k will touch the particle
     /// and may do so before the time `until`. A touch cannot occur before `start` + `gap`/(2 `closing`), with these
-    /// fields of [`FourNeighbours`]. No bit is set for the particle itself, which fills groups of fewer than four
-    /// neighbours.
+    /// fields of [`FourNeighbours`]. Groups of fewer than four neighbours are filled up with the particle itself, for
+    /// which no bit is set.
     #[inline(always)]
     pub fn one_by_one(&self, others: &[&FlightState; 4], touch: &[f64; 4]) -> (FourNeighbours, u32) {
         let own_start = self.flight.time;
@@ -225,15 +224,15 @@ pub mod wide {
         [simd.avx._mm256_set1_pd(x.x), simd.avx._mm256_set1_pd(x.y), simd.avx._mm256_set1_pd(x.z)]
     }
 
-    /// Position [m] of a particle at the time of its flight state (x, y, z), and that time [s], in one vector of four
-    /// numbers.
+    /// Position (x, y, z) [m] of a particle at the start of its flight, and the time [s] of this start, in one vector
+    /// of four numbers.
     #[inline(always)]
     fn index(body: &FlightState) -> __m256d {
         let x = &body.position;
         pulp::cast([x.x, x.y, x.z, body.time])
     }
 
-    /// Velocity [m/s] of a particle (x, y, z) and a zero, in one vector of four numbers.
+    /// Velocity (x, y, z) [m/s] of a particle, and a zero, in one vector of four numbers.
     #[inline(always)]
     fn speed(body: &FlightState) -> __m256d {
         let u = &body.velocity;

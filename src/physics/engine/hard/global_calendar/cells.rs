@@ -162,8 +162,8 @@ impl ShellGrid {
         self.put(index, new);
     }
 
-    /// Numbers of the cell `cell` and of all its neighbours, which [`near`](Self::near) searches for a centre in this
-    /// cell.
+    /// Numbers of the cell `cell` and of its neighbouring cells. These are all the cells that [`near`](Self::near)
+    /// searches around a point in `cell`.
     pub fn around(&self, cell: usize) -> impl Iterator<Item = usize> {
         let [nx, ny, _] = self.count;
         let at = [cell % nx, cell / nx % ny, cell / (nx * ny)];
@@ -199,9 +199,10 @@ impl ShellGrid {
         list
     }
 
-    /// Appends to `found` the indices of all particles whose shell centres may be within `reach` [m] of `centre`.
-    /// Unlike [`near`](Self::near), the search looks at all cells within `reach`, which may exceed the edge of a cell.
-    /// For large particles, the grid of small particles is searched in this way. Returns the number of centres checked.
+    /// Appends to `found` the indices of all particles whose shell (ball in which the neighbour list is valid) may have
+    /// its centre within `reach` [m] of `centre`. Unlike [`near`](Self::near), the search looks at all cells within
+    /// `reach`, which may exceed the edge of a cell. For large particles, the grid of small particles is searched in
+    /// this way. Returns the number of centres checked.
     pub fn near_by_far(&self, centre: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) -> u64 {
         let here = rounded(centre);
         let reach = reach as f32 + self.rounding;
@@ -231,9 +232,9 @@ impl ShellGrid {
         checks
     }
 
-    /// Appends to `found` the indices of all particles whose shell centres may be within `reach` [m] of `centre`.
-    /// `reach` must not exceed the edge of a cell, since only neighbouring cells are searched. Returns the number of
-    /// centres checked.
+    /// Appends to `found` the indices of all particles whose shell (ball in which the neighbour list is valid) may have
+    /// its centre within `reach` [m] of `centre`. `reach` must not exceed the edge of a cell, since only neighbouring
+    /// cells are searched. Returns the number of centres checked.
     pub fn near(&self, centre: &Vector3<f64>, reach: f64, found: &mut Vec<u32>) -> u64 {
         let at = self.coordinates(centre);
         let here = rounded(centre);
@@ -258,10 +259,10 @@ impl ShellGrid {
         checks
     }
 
-    /// Appends to `found` the indices of the particles whose shell centres are in the cell number `cell` and at most a
-    /// distance √`square` [m] from `here` [m]. Returns the number of centres in the cell. Every index is written; if a
-    /// centre is too far, the next index overwrites it. This avoids a branch, which the processor would often
-    /// mispredict, since about half of the indices are kept.
+    /// Appends to `found` the indices of particles in the cell number `cell`: those whose shell (ball in which the
+    /// neighbour list is valid) has its centre at most √`square` [m] from `here` [m]. Returns the number of centres in
+    /// the cell. Every index is written; if a centre is too far, the next index overwrites it. This avoids a branch,
+    /// which the processor would often mispredict, since about half of the indices are kept.
     #[inline]
     fn within(&self, cell: usize, here: [f32; 3], square: f32, found: &mut Vec<u32>) -> u64 {
         let (mut end, mut checks, mut link) = (found.len(), 0, self.first[cell].get());

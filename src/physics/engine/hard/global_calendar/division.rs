@@ -12,7 +12,8 @@ pub struct Division {
 }
 
 impl Division {
-    /// Divides `count` particles into `parts` parts of equal size, with a difference of at most one particle.
+    /// Divides `count` particles into `parts` parts, one for each thread. The parts differ in size by at most one
+    /// particle.
     pub fn new(count: usize, parts: usize) -> Self {
         let bounds = if parts > 1 { (0..=parts).map(|k| (k * count / parts) as u32).collect() } else { Vec::new() };
         Self { bounds }
@@ -31,8 +32,8 @@ impl Division {
             .map_or(0, |inner| inner.partition_point(|first| *first <= index))
     }
 
-    /// Indices of the particles of the part to which the particle at `index` belongs; all indices if there is only one
-    /// part.
+    /// Indices of the particles of the part (particles of one thread) to which the particle at `index` belongs; all
+    /// indices if there is only one part.
     #[inline]
     pub fn of(&self, index: u32) -> Range<u32> {
         if self.bounds.is_empty() {

@@ -17,7 +17,7 @@ const PER_BIN: usize = 32;
 
 /// Number of queued events divided by the number of bins (intervals of time) in the ring, before the number of bins is
 /// rounded up to a power of two. It is less than [`PER_BIN`], since bins of later times contain fewer events. So the
-/// ring reaches at least about 64 times as far ahead as the first sixteenth of the events.
+/// ring covers at least about 64 times as long an interval of time as the earliest sixteenth of the events.
 const PARTICLES_PER_BIN: usize = 8;
 
 /// An entry of the sorted list of near events. The entry is outdated if the time of the particle's next event has
@@ -81,7 +81,7 @@ pub struct EventQueue {
 
 impl EventQueue {
     /// Fills the queue with the next events of all particles in `table` that are earlier than `before` [s]; the present
-    /// time is `now` [s]. Both times are counted from the epoch (zero of the calendar's time). The interval of time
+    /// time is `now` [s]. Both times are counted from the epoch (zero of the event queue's time). The interval of time
     /// that a bin covers is chosen from these events.
     pub fn fill(&mut self, table: EventTable, now: f64, before: f64) {
         let mut times = Vec::with_capacity(table.next_events.len());
@@ -109,7 +109,7 @@ impl EventQueue {
 
     /// Empties the queue, and chooses the interval of time that each bin covers. The caller then inserts a few events,
     /// of which those before `end` [s] will be processed. The present time is `now` [s]. Both times are counted from
-    /// the epoch (zero of the calendar's time).
+    /// the epoch (zero of the event queue's time).
     pub fn restart(&mut self, now: f64, end: f64) {
         self.near.clear();
         self.later.clear();

@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 
 /// Falling frame, in which flights are straight. Positions relative to the scene are x = x' + offset + u t + g t²/2,
 /// and velocities are v = v' + u + g t. Here x' and v' are the values in the frame, and u is the velocity of the frame
-/// at the epoch (zero of the calendar's time). Gravity is g, and t is the time since the epoch.
+/// at the epoch (zero of the event queue's time). Gravity is g, and t is the time since the epoch.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct FallingFrame {
-    /// [m] position of the frame's origin at the epoch, the zero of t, relative to the origin of the scene.
+    /// [m] position of the frame's origin at the epoch (zero of time), relative to the origin of the scene.
     pub offset: Vector3<f64>,
-    /// [m/s] velocity u of the frame at the epoch, the zero of t, relative to the scene.
+    /// [m/s] velocity u of the frame at the epoch (zero of time), relative to the scene.
     pub velocity: Vector3<f64>,
     /// [m/s²] gravity g, the acceleration of the frame.
     pub gravity: Vector3<f64>,
@@ -22,17 +22,18 @@ pub struct FallingFrame {
 
 impl FallingFrame {
     /// Position [m] of the frame's origin, relative to that of the scene, at `time` [s] since the epoch (zero of the
-    /// calendar's time).
+    /// event queue's time).
     fn origin(&self, time: f64) -> Vector3<f64> {
         self.offset + (self.velocity + self.gravity * (0.5 * time)) * time
     }
 
-    /// Velocity [m/s] of the frame relative to the scene at `time` [s] since the epoch (zero of the calendar's time).
+    /// Velocity [m/s] of the frame relative to the scene at `time` [s] since the epoch (zero of the event queue's
+    /// time).
     pub fn velocity_at(&self, time: f64) -> Vector3<f64> {
         self.velocity + self.gravity * time
     }
 
-    /// Flight of a body relative to the scene, from `time` [s] since the epoch (zero of the calendar's time) on. At
+    /// Flight of a body relative to the scene, from `time` [s] since the epoch (zero of the event queue's time) on. At
     /// that time the body has `position` [m] and `velocity` [m/s] in this frame.
     pub fn flight(&self, position: &Vector3<f64>, velocity: &Vector3<f64>, time: f64) -> Flight {
         Flight {

@@ -6,17 +6,17 @@ use super::neighbour_lists::{NeighbourLists, lists_of, lists_of_mut};
 use super::next_events::NextEvents;
 use super::shells::Shell;
 
-/// Neighbour lists of one part of the particles (those of one thread) or of all particles, with the entries that
-/// contain the locations of the lists.
+/// Neighbour lists to be changed: those of all particles, or those of one part (the particles of one thread). The next
+/// events of the particles are included, since they contain the locations of the lists.
 pub struct ListUpdate<'a> {
     /// Division of all particles into parts, one for each thread.
     pub division: &'a Division,
-    /// Index of the first of these particles in the particle store.
+    /// Index, in the particle store, of the first particle whose list is included.
     pub first: u32,
-    /// Entries of these particles, each with the location of the neighbour list (in its field `shell`).
+    /// Next events of the particles whose lists are included; the field `shell` contains the location of the list.
     pub next_events: &'a mut [NextEvents],
-    /// Neighbour lists of these particles: one item for a part (particles of one thread), or one item for each part if
-    /// these are all particles.
+    /// Neighbour lists: one item for a part (particles of one thread), or one item for each part if the lists of all
+    /// particles are included.
     pub lists: &'a mut [NeighbourLists],
 }
 
@@ -36,7 +36,7 @@ pub struct ListChange {
 impl ListUpdate<'_> {
     /// Makes the particles in `found` the neighbours of the particle at `index`, and updates the lists of its old and
     /// of its new neighbours. `across` is true if a periodic image of one particle in `found` may be nearer than that
-    /// particle itself. Changes of lists in other parts are appended to `elsewhere`.
+    /// particle itself. Changes of lists that belong to other threads are appended to `elsewhere`.
     pub fn relink(&mut self, index: u32, (found, across): (&[u32], bool), elsewhere: &mut Vec<ListChange>) {
         let shell = *self.shell(index);
         let own = lists_of_mut(self.lists, self.division, index);
@@ -61,8 +61,8 @@ impl ListUpdate<'_> {
         *self.shell(index) = shell;
     }
 
-    /// Makes a change that the thread of another part has asked for. Does nothing if the list is already as wanted,
-    /// because the particle has got a new list at the same time.
+    /// Makes a change to a neighbour list for which another thread has asked. Does nothing if the list already is as
+    /// that thread wants it, because the particle has got a new list at the same time.
     pub fn apply(&mut self, change: ListChange) {
         let shell = *self.shell(change.of);
         let near = lists_of(self.lists, self.division, change.of).neighbours(&shell);
@@ -71,8 +71,8 @@ impl ListUpdate<'_> {
         }
     }
 
-    /// Makes a change to a neighbour list of these particles. The change is appended to `elsewhere` instead if the list
-    /// belongs to a particle of another part.
+    /// Makes a change to a neighbour list. The change is appended to `elsewhere` instead if the list is not included
+    /// here, because it belongs to a particle of another thread.
     #[inline]
     fn change(&mut self, change: ListChange, elsewhere: &mut Vec<ListChange>) {
         let ListChange { of, other, is_added, across } = change;

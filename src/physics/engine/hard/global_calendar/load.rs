@@ -37,12 +37,12 @@ const CROSSINGS: f64 = 8.0;
 /// which all lists are built again.
 const FOLLOWED: f64 = 2.0;
 
-/// Smallest number of particles whose common motion the frame follows. The mean velocity of few particles is large by
-/// chance.
+/// Smallest number of particles whose common motion the frame of the event queue follows. The mean velocity of few
+/// particles is large by chance.
 const FEWEST: usize = 100;
 
-/// [-] squared speed of a layer of particles relative to the frame, over the mean square of the random velocities in
-/// the layer. Above this value the frame follows the layer from the next window on.
+/// [-] squared speed of a layer of particles relative to the frame of the event queue, over the mean square of the
+/// random velocities in the layer. Above this value the frame follows the layer from the next window on.
 const LEFT_BEHIND: f64 = 2.0;
 
 /// Number of collisions per particle after which the particle store is sorted again. By then, particles near in memory
@@ -131,8 +131,8 @@ impl GlobalCalendar {
         }
     }
 
-    /// True if the particles fly together as a layer with a velocity that the frame does not have, for instance after a
-    /// rebound from a floor.
+    /// True if the particles fly together as a layer with a mean velocity that the frame of the event queue does not
+    /// have, for instance after a rebound from a floor.
     fn is_left_behind(&self, particles: &Particles, scene: &Scene) -> bool {
         if !is_built_each_epoch(scene) || particles.len() < FEWEST {
             return false;
@@ -165,7 +165,7 @@ impl GlobalCalendar {
     }
 
     /// Present position [m] and velocity [m/s] of the particle with the index `index`, relative to the scene and not to
-    /// the falling frame of the calendar. The position may be outside the box.
+    /// the frame that falls with gravity. The position may be outside the box.
     pub(super) fn motion_in_scene(&self, index: usize) -> (Vector3<f64>, Vector3<f64>) {
         let body = &self.bodies[index];
         let flight = self.frame.flight(&body.position_at(self.now), &body.velocity, self.now);
@@ -183,7 +183,7 @@ impl GlobalCalendar {
     }
 
     /// Collision history of each particle, by id; empty if no particle has one. If `recently` is given, the histories
-    /// are made from these last collisions instead of those of the calendar.
+    /// are made from these last collisions. Otherwise they are the histories that the event queue has stored.
     fn history(&self, particles: &Particles, recently: Option<&[Recent]>) -> Vec<LastCollision> {
         // after particles have left or come in, the largest id exceeds their number
         let nothing = |ids: &[u32]| {
@@ -218,9 +218,9 @@ impl GlobalCalendar {
         (self.shells.levels, self.shells.territories) = (Vec::new(), Territories::default());
     }
 
-    /// Builds the calendar anew: sorts the particle store along a curve through the box, copies the flights of the
-    /// particles, and makes shells (balls in which neighbour lists are valid) and neighbour lists. `met` contains the
-    /// collision histories by id, and `start` [s] is the simulated time.
+    /// Builds the event queue of all particles anew, except its entries: sorts the particle store along a curve through
+    /// the box, copies the flights of the particles, and makes shells (balls in which neighbour lists are valid) and
+    /// neighbour lists. `met` contains the collision histories by id, and `start` [s] is the simulated time.
     fn load(
         &mut self,
         particles: &mut Particles,
@@ -333,8 +333,9 @@ impl GlobalCalendar {
         Ok(())
     }
 
-    /// Begins a new epoch at the simulated time `time` [s]: the calendar then counts times from this instant, and
-    /// adapts all stored times. If gravity points towards a wall or walls move, the whole calendar is built again.
+    /// Begins a new epoch at the simulated time `time` [s]: the event queue then counts times from this instant, and
+    /// all stored times are adapted. If gravity points towards a wall or walls move, the queue and all neighbour lists
+    /// are built again.
     pub(super) fn new_epoch(&mut self, work: &mut Work<Recent>, time: f64) -> Result<(), Failure> {
         let (scene, horizon) = (work.scene, self.horizon - self.now);
         if is_built_each_epoch(scene) {
@@ -368,7 +369,7 @@ impl GlobalCalendar {
     }
 }
 
-/// [m/s] velocity of the frame of the calendar: the mean velocity of the particles along the walls. There is one
+/// [m/s] velocity of the frame of the event queue: the mean velocity of the particles along the walls. There is one
 /// exception, if gravity points towards walls or walls move. If the particles then fly as a layer, faster than they
 /// move relative to one another, the frame follows the layer also towards the walls. If it did not, each particle would
 /// soon leave its shell (ball in which its neighbour list is valid).
@@ -382,7 +383,7 @@ fn frame_velocity(particles: &Particles, scene: &Scene) -> Vector3<f64> {
     if is_layer { mean } else { along }
 }
 
-/// True if the calendar is built again at each epoch (instant from which times are counted), since its frame falls
+/// True if the event queue is built again at each epoch (instant from which times are counted), since its frame falls
 /// towards walls or walls move.
 fn is_built_each_epoch(scene: &Scene) -> bool {
     scene.has_moving_walls() || across(scene, scene.gravity) != Vector3::zeros()
@@ -420,9 +421,9 @@ fn kinds(particles: &Particles) -> Vec<RadiusClass> {
     kinds
 }
 
-/// Divides particles into groups in which the largest radius is at most twice the smallest, as in the grids of
-/// `ShellLevel`. Returns for each group the number density [1/m³] in the volume `volume` [m³], and the largest diameter
-/// [m].
+/// Divides particles into groups in which the largest radius is at most twice the smallest. (The centres of shells are
+/// sorted into one grid of cells for each such group.) Returns for each group the number density [1/m³] in the volume
+/// `volume` [m³], and the largest diameter [m].
 fn crowds(bodies: &[FlightState], kinds: &[RadiusClass], volume: f64) -> Vec<(f64, f64)> {
     let mut counts = vec![0u32; kinds.len()];
     for body in bodies {

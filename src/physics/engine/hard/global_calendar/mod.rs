@@ -57,8 +57,8 @@ use shells::Shells;
 use std::time::Duration;
 use walls::WallContacts;
 
-/// Makes a view of those data of a calendar that no event changes ([`CalendarView`]). A macro borrows single fields, so
-/// that the other data of the calendar can be changed at the same time.
+/// Makes a view of those data of a calendar (event queue of all particles) that no event changes ([`CalendarView`]). A
+/// macro borrows single fields, so that the other data of the calendar can be changed at the same time.
 macro_rules! view_of {
     ($calendar:expr, $scene:expr) => {
         $crate::engine::hard::global_calendar::view::CalendarView {
@@ -81,7 +81,7 @@ macro_rules! view_of {
 }
 use view_of;
 
-/// Makes one [`Part`] of all particles of a calendar, whose events one thread then processes.
+/// Makes one [`Part`] of all particles of a calendar (event queue), so that one thread can process all events.
 macro_rules! whole_of {
     ($calendar:expr, $around:expr, $particles:expr, $log:expr, $span:expr) => {
         $crate::engine::hard::global_calendar::part::Part {
@@ -127,15 +127,15 @@ fn is_full(collisions: u64) -> bool {
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct GlobalCalendar {
     frame: FallingFrame,
-    /// Present time [s], counted from the epoch, the zero of the calendar's time.
+    /// Present time [s], counted from the epoch, the zero of the event queue's time.
     now: f64,
-    /// Time [s] since the epoch (zero of the calendar's time) at which a new epoch must begin. After this time,
+    /// Time [s] since the epoch (zero of the event queue's time) at which a new epoch must begin. After this time,
     /// rounding errors of times would be too large, or the frame or walls would have moved too far.
     limit: f64,
-    /// Time [s] since the epoch (zero of the calendar's time) up to which events are predicted and queued. It is the
+    /// Time [s] since the epoch (zero of the event queue's time) up to which events are predicted and queued. It is the
     /// end of the window if drag changes velocities after every window, otherwise infinite.
     horizon: f64,
-    /// Simulated time [s] at the epoch, the instant from which the calendar counts times. The places of moving walls
+    /// Simulated time [s] at the epoch, the instant from which the event queue counts times. The places of moving walls
     /// and of the images of a sheared box follow from it.
     epoch: f64,
     bodies: Vec<FlightState>,
@@ -147,8 +147,8 @@ pub struct GlobalCalendar {
     shells: Shells,
     /// Neighbour lists of the particles, one item for each thread that processes events.
     lists: Vec<NeighbourLists>,
-    /// Time [s] since the epoch (zero of the calendar's time) until which neighbour lists across the sheared sides of
-    /// the box are valid, since images slide there; infinite without shear.
+    /// Time [s] since the epoch (zero of the event queue's time) until which neighbour lists across the sheared sides
+    /// of the box are valid, since images slide there; infinite without shear.
     lists_valid_until: f64,
     /// True for each periodic axis along which the box is so short that two particles may touch through an image other
     /// than the nearest one.
@@ -164,8 +164,8 @@ pub struct GlobalCalendar {
     pub builds: u64,
     /// Wall-clock time that building the event queue and all neighbour lists has taken so far.
     pub building: Duration,
-    /// Event queue of all particles. While several threads share the events, it holds only the events of particles that
-    /// belong to different threads.
+    /// Event queue of all particles. While several threads share the events, it holds only the events that concern
+    /// particles of different threads.
     #[serde(skip)]
     queue: EventQueue,
     /// Parts of the particles whose events the threads process; empty while one thread processes all events.
@@ -175,9 +175,9 @@ pub struct GlobalCalendar {
     /// to different threads.
     #[serde(skip)]
     border: Round,
-    /// [m] distance to the surface of its shell (ball in which its neighbour list is valid) at which a particle is to
-    /// get a new shell. The particle may fly on by this distance during a round (piece of time in which several threads
-    /// process events). New shells are made after the round.
+    /// [m] distance from the surface of a particle's shell (ball in which its neighbour list is valid) at which the
+    /// particle is to get a new shell. The particle may fly on by this distance during a round (piece of time in which
+    /// several threads process events). New shells are made after the round.
     #[serde(skip)]
     slack: f64,
     /// [s] length of the time, after the exit of a particle from its shell (ball in which its neighbour list is valid),
@@ -190,8 +190,8 @@ pub struct GlobalCalendar {
     /// [s] length of a round (piece of time in which several threads process events).
     #[serde(skip)]
     round: f64,
-    /// [s] time since the epoch (zero of the calendar's time) at which new shells (balls in which neighbour lists are
-    /// valid) were last made between two rounds.
+    /// [s] time since the epoch (zero of the event queue's time) at which new shells (balls in which neighbour lists
+    /// are valid) were last made between two rounds.
     #[serde(skip)]
     renewed_at: f64,
     /// Number of times that new shells (balls in which neighbour lists are valid) have been made between two rounds
@@ -212,22 +212,23 @@ pub struct GlobalCalendar {
     pub clock: Clock,
 }
 
-/// A window (time between two exchanges with the gas), with its end in simulated time and in the time of the calendar,
-/// which is counted from an instant called epoch.
+/// A window (time between two exchanges with the gas), with its end in simulated time and in the time of the event
+/// queue, which is counted from an instant called epoch.
 #[derive(Clone, Copy)]
 struct CalendarWindow {
     window: Window,
-    /// [s] end of the window, counted from the epoch (zero of the calendar's time).
+    /// [s] end of the window, counted from the epoch (zero of the event queue's time).
     end: f64,
 }
 
 impl CalendarWindow {
-    /// Time [s] from `now` [s] since the epoch (zero of the calendar's time) to the end of the window.
+    /// Time [s] from the instant `now` to the end of the window; `now` [s] is counted from the epoch (zero of the event
+    /// queue's time).
     fn left(&self, now: f64) -> f64 {
         self.end - now
     }
 
-    /// Simulated time [s] at `now` [s] since the epoch (zero of the calendar's time).
+    /// Simulated time [s] at the instant `now` [s], which is counted from the epoch (zero of the event queue's time).
     fn time(&self, now: f64) -> f64 {
         self.window.start + (self.window.duration - self.left(now))
     }
@@ -275,7 +276,7 @@ impl GlobalCalendar {
         }
     }
 
-    /// Processes by one thread all events up to the time `stop` [s] since the epoch (zero of the calendar's time).
+    /// Processes by one thread all events up to the time `stop` [s] since the epoch (zero of the event queue's time).
     fn one_after_the_other(&mut self, work: &mut Work<Recent>, span: CalendarWindow, stop: f64) -> Result<(), Failure> {
         if !self.parts.is_empty() {
             self.fill_queue();

@@ -15,8 +15,8 @@ pub struct FlightState {
     pub position: Vector3<f64>,
     /// [m/s] velocity of the particle in the frame that falls with gravity.
     pub velocity: Vector3<f64>,
-    /// [s] time since the epoch (zero of the calendar's time) at which the particle is at `position`. The flight begins
-    /// at this time, for instance with a collision.
+    /// [s] time since the epoch (zero of the event queue's time) at which the particle is at `position`. The flight
+    /// begins at this time, for instance with a collision.
     pub time: f64,
     /// Number of the particle's combination of radius and mass in `Shells::kinds`.
     pub kind: u32,
@@ -26,13 +26,14 @@ pub struct FlightState {
 }
 
 impl FlightState {
-    /// Position [m] of the particle on its flight at the time `now` [s] since the epoch (zero of the calendar's time).
+    /// Position [m] of the particle on its flight at the time `now` [s] since the epoch (zero of the event queue's
+    /// time).
     #[inline]
     pub fn position_at(&self, now: f64) -> Vector3<f64> {
         self.position + self.velocity * (now - self.time)
     }
 
-    /// Moves the particle along its flight to the time `now` [s] since the epoch (zero of the calendar's time).
+    /// Moves the particle along its flight to the time `now` [s] since the epoch (zero of the event queue's time).
     #[inline]
     pub fn advance(&mut self, now: f64) {
         self.position += self.velocity * (now - self.time);
@@ -55,7 +56,7 @@ pub enum EventKind {
 }
 
 /// The next two events of one particle, and its shell (ball in which its neighbour list is valid), in one cache line.
-/// Times are counted from the epoch (zero of the calendar's time).
+/// Times are counted from the epoch (zero of the event queue's time).
 #[repr(align(64))]
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct NextEvents {
@@ -120,7 +121,7 @@ impl NextEvents {
 /// lists are valid).
 #[derive(Clone, Copy)]
 pub struct ParticleRange<'a> {
-    /// Index of the first of these particles in the particle store.
+    /// Index, in the particle store, of the first particle of the range.
     pub first: u32,
     /// Flights of the particles.
     pub bodies: &'a [FlightState],

@@ -1,5 +1,5 @@
 //! Events of a part of the particles: of the particles that one thread treats, or of all particles. The particles of a
-//! part have consecutive indices. Times are counted from the epoch, the zero of the calendar's time. The calendar is
+//! part have consecutive indices. Times are counted from the epoch, the zero of the event queue's time. The calendar is
 //! the event queue of all particles.
 
 use super::event_queue::{EventQueue, EventTable};
@@ -36,18 +36,18 @@ pub struct Part<'a> {
     pub first: u32,
     /// Straight flights of the particles of this part.
     pub bodies: &'a mut [FlightState],
-    /// Next two events of each particle.
+    /// Next two events of each particle of this part.
     pub next_events: &'a mut [NextEvents],
-    /// Collision history of each particle.
+    /// Collision history of each particle of this part.
     pub last_collisions: &'a mut [LastCollision],
     /// Neighbour lists of the particles: one item for this part, or one item for each part if this is the part of all
     /// particles.
     pub lists: &'a mut [NeighbourLists],
-    /// Event queue of the particles.
+    /// Event queue of the particles of this part.
     pub queue: &'a mut EventQueue,
-    /// [s] present time since the epoch (zero of the calendar's time).
+    /// [s] present time since the epoch (zero of the event queue's time).
     pub now: f64,
-    /// The present window. With it, times since the epoch (zero of the calendar's time) are converted to simulated
+    /// The present window. With it, times since the epoch (zero of the event queue's time) are converted to simulated
     /// times.
     pub span: CalendarWindow,
     /// Log of the collisions.
@@ -78,8 +78,8 @@ impl Part<'_> {
     }
 
     /// Removes the earliest event from the queue, and makes its time the present time. Returns the index of the
-    /// particle that has this event; `None` if no event is earlier than `before` [s] since the epoch (zero of the
-    /// calendar's time).
+    /// particle that has this event; `None` if no event is earlier than `before` [s] since the epoch (zero of the event
+    /// queue's time).
     #[inline]
     pub fn next(&mut self, before: f64) -> Option<u32> {
         let table = EventTable { first: self.first, next_events: self.next_events, ids: self.around.ids };
@@ -89,9 +89,9 @@ impl Part<'_> {
         Some(index)
     }
 
-    /// Processes the events before the time `stop` [s] since the epoch (zero of the calendar's time), and then returns
-    /// `None`. Returns early with the index of a particle that leaves its shell (ball in which its neighbour list is
-    /// valid) and therefore needs a new one. `before` is the number of collisions of the run so far.
+    /// Processes the events before the time `stop` [s] since the epoch (zero of the event queue's time), and then
+    /// returns `None`. Returns early with the index of a particle that leaves its shell (ball in which its neighbour
+    /// list is valid) and therefore needs a new one. `before` is the number of collisions of the run so far.
     pub fn run(&mut self, stop: f64, record: &mut Record, before: u64) -> Result<Option<u32>, Failure> {
         while let Some(index) = self.next(stop) {
             let collisions = self.counts.collisions;

@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 /// A predicted event of a particle.
 #[derive(Clone, Copy)]
 struct Event {
-    /// [s] time of the event since the epoch (zero of the calendar's time).
+    /// [s] time of the event since the epoch (zero of the event queue's time).
     time: f64,
     kind: EventKind,
     /// Number of the surface feature (such as a triangle) of a wall that is touched; 0 for other events.
@@ -66,7 +66,7 @@ pub struct Flights<'a> {
     /// Flights of the particles from the index `first` on. Predictions leave out neighbours without a flight in this
     /// list.
     pub bodies: &'a [FlightState],
-    /// [s] present time since the epoch (zero of the calendar's time).
+    /// [s] present time since the epoch (zero of the event queue's time).
     pub now: f64,
     /// True if no flight begins later than `now`.
     pub in_order: bool,
@@ -82,7 +82,7 @@ impl<'a> Flights<'a> {
     /// Tests whether a particle with the flight `body` and the particle `j` may have touched after the time `start`
     /// [s], but before the later of their present flights began. A prediction from the present flights would miss such
     /// a touch. Returns the start [s] of the later flight, or `None` if such a touch is impossible. `speed` [m/s] is an
-    /// upper limit of all speeds. Times are counted from the epoch (zero of the calendar's time).
+    /// upper limit of all speeds. Times are counted from the epoch (zero of the event queue's time).
     #[inline]
     pub fn may_have_touched(&self, body: &FlightState, j: u32, start: f64, speed: f64) -> Option<f64> {
         let other = self.get(j)?;

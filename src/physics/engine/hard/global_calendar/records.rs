@@ -20,7 +20,7 @@ enum Amounts {
 /// A collision in a round (piece of time in which several threads process events).
 #[derive(Clone, Debug)]
 struct CollisionRecord {
-    /// [s] time since the epoch (zero of the calendar's time).
+    /// [s] time of the collision since the epoch (zero of the event queue's time).
     time: f64,
     /// Id of the particle in whose entry of the event queue the collision was stored.
     id: u32,
@@ -37,7 +37,7 @@ pub struct Records {
 impl Records {
     /// Moves the amounts of one collision from the ledger of `log` (sums of energies and momenta) to this list. The
     /// impact itself stays in the log. The collision was the next event of the particle with the id `id`, at `time` [s]
-    /// since the epoch (zero of the calendar's time).
+    /// since the epoch (zero of the event queue's time).
     #[inline]
     pub fn take(&mut self, time: f64, id: u32, collision: &Collision, log: &mut Log) {
         let ledger = &mut log.ledger;

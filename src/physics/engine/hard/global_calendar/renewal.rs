@@ -12,8 +12,9 @@ use crate::engine::driver::Work;
 use crate::engine::hard::impulse::ParticleAccess;
 use crate::work_sharing;
 
-/// Number of times that new shells (balls in which neighbour lists are valid) are made between two rounds (pieces of
-/// time shared by threads). After that, the largest speed and the regions of the threads are determined again.
+/// Number of pauses between rounds (pieces of time shared by threads) in which new shells (balls in which neighbour
+/// lists are valid) are made. After so many pauses, the largest speed and the regions of the threads are determined
+/// again.
 pub const RENEWALS: u32 = 64;
 
 impl Part<'_> {
@@ -108,8 +109,9 @@ impl GlobalCalendar {
         elsewhere.into_iter().flatten().for_each(|change| all.apply(change));
     }
 
-    /// Counts the times at which new shells have been made between rounds (pieces of time shared by threads). Each time
-    /// after [`RENEWALS`] of them, the largest speed and the territories of the parts are determined again.
+    /// Counts the pauses between rounds (pieces of time shared by threads) in which new shells (balls in which
+    /// neighbour lists are valid) are made. After every [`RENEWALS`] pauses, the largest speed and the regions of the
+    /// threads are determined again.
     fn note_renewal(&mut self) {
         (self.renewed_at, self.renewals) = (self.now, self.renewals + 1);
         if self.renewals.is_multiple_of(RENEWALS) {

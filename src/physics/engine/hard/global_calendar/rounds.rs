@@ -2,7 +2,7 @@
 //!
 //! Each thread has a part of the particles. The particles of a part have consecutive indices, so they fill a region of
 //! the box. A shell is a ball around a particle in which its neighbour list is valid. Times are counted from the
-//! *epoch*, the zero of the calendar's time. A round has three steps:
+//! *epoch*, the zero of the event queue's time. A round has three steps:
 //!
 //! 1. Each thread processes the events of its part as if there were no other parts. A particle whose next event is a
 //!    touch with a particle of another part is *stopped*. A particle whose next event is a touch with a stopped
@@ -43,8 +43,8 @@ use crate::work_sharing;
 /// were slower than one.
 const FEWEST: usize = 10_000;
 
-/// [-] distance to the surface of its shell (ball in which its neighbour list is valid) at which a particle is to get a
-/// new shell, divided by the radius of the shell. The particle may fly on by this distance until new shells are made.
+/// [-] distance from the surface of a particle's shell (ball in which its neighbour list is valid), divided by the
+/// shell's radius, at which the particle is to get a new shell. The particle may fly on by this distance until then.
 const SLACK: f64 = 0.08;
 
 /// [-] speed that no particle may exceed in a round (piece of time shared by threads), divided by the largest speed of
@@ -64,8 +64,8 @@ const SHORTER: f64 = 0.8;
 /// them would need much memory.
 const SHORTEST: f64 = 1e-3;
 
-/// Number of particles divided by the number of collisions in a round (piece of time shared by threads). If it is
-/// smaller, rounds do not become longer. This bounds the memory for the states that are stored to undo a round.
+/// Number of particles divided by the number of collisions in a round (piece of time shared by threads). Below this
+/// ratio, rounds do not become longer. This limits the memory of the states that are stored to undo a round.
 const PER_COLLISION: usize = 128;
 
 /// Largest number of failures after which a round (piece of time shared by threads) is tried again; after one more
@@ -76,7 +76,7 @@ const ATTEMPTS: u32 = 3;
 /// particles of one thread), or those that concern several parts.
 #[derive(Clone, Default)]
 pub struct Round {
-    /// [s] time since the epoch (zero of the calendar's time) at which the round begins.
+    /// [s] time since the epoch (zero of the event queue's time) at which the round begins.
     pub start: f64,
     /// Indices of particles that need new shells (balls in which their neighbour lists are valid).
     pub leaving: Vec<u32>,
@@ -108,8 +108,8 @@ impl Round {
     }
 
     /// Checks the order of two events of a particle: the present one at `now` [s], and the one at `time` [s] with which
-    /// its flight began. Both times are counted from the epoch (zero of the calendar's time). If `time` is later than
-    /// `now`, the event at `time` was processed too early.
+    /// its flight began. Both times are counted from the epoch (zero of the event queue's time). If `time` is later
+    /// than `now`, the event at `time` was processed too early.
     #[inline]
     pub fn note_order(&mut self, time: f64, now: f64) {
         if time > now {

@@ -37,15 +37,16 @@ impl FoundNeighbours {
 }
 
 /// True if one of the particles in `others` may have a periodic image that is nearer to particle `i` than the particle
-/// itself. The time `now` [s] counts from the epoch (zero of the calendar's time). False is returned only if all these
-/// particles are less than half the shortest periodic edge of the box apart from `i`.
+/// itself. The time `now` [s] counts from the epoch (zero of the event queue's time). False is returned only if all
+/// these particles are less than half the shortest periodic edge of the box apart from `i`.
 pub fn has_images(i: u32, others: &[u32], particles: ParticleRange, (domain, now): (&Domain, f64)) -> bool {
     let here = particles.body(i).position_at(now);
     others.iter().any(|&j| !domain.is_direct(&(here - particles.body(j).position_at(now))))
 }
 
 impl Shells {
-    /// Finds the neighbours of the particles with the given indices, at the present time `now` [s].
+    /// Finds the neighbours of the particles with the given indices, at the present time `now` [s] since the epoch
+    /// (zero of the event queue's time).
     pub fn neighbours_of_each(
         &self,
         indices: impl Iterator<Item = u32>,

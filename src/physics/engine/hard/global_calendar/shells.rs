@@ -80,8 +80,8 @@ pub struct Shells {
     /// Division of the particles into parts with consecutive indices, one part for each thread.
     #[serde(skip)]
     pub parts: Division,
-    /// For each thread, the cells in which it may give particles new shells while the other threads process events;
-    /// empty if there are several grids, for particles of very different radii.
+    /// For each thread, the cells in which it may give particles new shells (balls in which neighbour lists are valid)
+    /// while the other threads process events. Empty if there are several grids, for particles of very different radii.
     #[serde(skip)]
     pub territories: Territories,
 }
@@ -205,8 +205,8 @@ impl Shells {
         self.levels.iter().take_while(|level| level.largest < radius).count()
     }
 
-    /// Divides the cells among the parts (particles of one thread). Each thread may give particles new shells in the
-    /// cells of its part.
+    /// Divides the cells among the parts (particles of one thread). Each thread may give particles new shells (balls in
+    /// which neighbour lists are valid) in the cells of its part.
     pub fn divide_cells(&mut self, next_events: &[NextEvents]) {
         // with several grids, a cell of one grid may be in the territories of two parts
         self.territories = match self.levels.as_slice() {
@@ -221,8 +221,9 @@ impl Shells {
         matches!(self.levels.as_slice(), [level] if self.territories.allow(index, &self.parts, &level.cells, [old, new]))
     }
 
-    /// Notes that the shell of particle `index` has been moved to the point `centre` [m]. If this point is outside the
-    /// cells of the particle's part, no thread may use the cell alone any more.
+    /// Notes that the shell (ball in which the neighbour list is valid) of particle `index` has been moved to the point
+    /// `centre` [m]. If this point is outside the cells of the particle's part (particles of one thread), no thread may
+    /// use the cell alone any more.
     pub fn note_move(&mut self, index: u32, centre: &[f32; 3]) {
         if let [level] = self.levels.as_slice() {
             self.territories.enter(index, &self.parts, &level.cells, centre);

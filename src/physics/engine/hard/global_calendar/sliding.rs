@@ -19,13 +19,14 @@ use nalgebra::Vector3;
 use std::borrow::Cow;
 
 /// [-] distance by which images slide in half an interval (time for which neighbour lists across a sheared side are
-/// valid), over the margin of the shells. With 1 in place of 3, twice as many distances are computed in a gas of 1000
-/// spheres at a volume fraction of 0.3.
+/// valid), over the margin, the radius of the shells in which lists are valid. With 1 in place of 3, twice as many
+/// distances are computed in a gas of 1000 spheres at a volume fraction of 0.3.
 pub const SLIDE: f64 = 3.0;
 
 impl<'a> CalendarView<'a> {
-    /// The box with its periodic images at their places in the middle of the present interval. Neighbour lists across
-    /// sheared sides are made for these places. Without shear, it is the box of the scene itself.
+    /// The box with its periodic images at their places in the middle of the present interval, the time for which
+    /// neighbour lists across sheared sides are valid. These lists are made for these places. Without shear, the result
+    /// is the box of the scene itself.
     #[inline]
     pub fn domain_of_lists(&self) -> Cow<'a, Domain> {
         if self.scene.domain.shear.is_none() {
@@ -49,8 +50,8 @@ impl GlobalCalendar {
     }
 
     /// Gives the particle at `index` a new shell (ball in which its neighbour list is valid), and predicts its events.
-    /// In a sheared box its flight begins anew, at its present place in the box. If it crosses a sheared side, the work
-    /// of the crossing is added to the ledger, the sums of energies of the run.
+    /// In a sheared box the flight of the particle begins anew, at its present place in the box. If the particle has
+    /// crossed a sheared side, the work of the crossing is added to the ledger, the sums of energies of the run.
     pub(super) fn renew_shell(&mut self, index: u32, work: &mut Work<Recent>, span: CalendarWindow) {
         if work.scene.domain.shear.is_some() {
             self.cross_sides(index, work);

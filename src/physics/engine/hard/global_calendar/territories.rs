@@ -28,7 +28,7 @@ const NO_PART: u16 = u16::MAX;
 /// Mark of a cell without particles, before the cell is given to a part (particles of one thread).
 const EMPTY: u16 = u16::MAX - 1;
 
-/// Largest number of parts (threads), so that the number of a part never equals one of the two marks.
+/// Largest number of parts (threads), so that the number of a part never equals [`NO_PART`] or [`EMPTY`].
 pub const MOST_PARTS: usize = EMPTY as usize;
 
 impl Territories {
@@ -100,7 +100,7 @@ mod tests {
         (cells, division, territories)
     }
 
-    /// True if the shell of a particle of the part may move within the layer number `layer` along z.
+    /// True if the shell of a particle of the part number `part` may move within the layer number `layer` along z.
     fn is_free((cells, division, territories): &(ShellGrid, Division, Territories), part: usize, layer: usize) -> bool {
         let centre = [5.5, 5.5, layer as f32 + 0.5];
         territories.allow((part * EDGE.pow(3) / 2) as u32, division, cells, [&centre, &centre])

@@ -11,7 +11,7 @@ use crate::engine::hard::collapse_detector::LastCollision;
 pub struct Undo {
     /// Flight of each particle that collided, before the collision.
     flights: Vec<FlightState>,
-    /// Index of each of these particles, with its collision history before the collision.
+    /// Index of each particle that collided, with its collision history before the collision.
     histories: Vec<(u32, LastCollision)>,
     /// Index of each particle that had an event other than a collision.
     others: Vec<u32>,

@@ -42,15 +42,15 @@ impl WallContacts {
 }
 
 impl CalendarView<'_> {
-    /// Upper limit [m] of the distance by which a wall moves away from its place in the scene until the next epoch,
-    /// from which on the calendar counts times anew. It is 0 for a wall that does not move.
+    /// Upper limit [m] of the distance by which a wall moves away from its place in the scene until the next epoch, the
+    /// instant from which the event queue counts times anew. It is 0 for a wall that does not move.
     fn travel(&self, wall: &Wall) -> f64 {
         wall.moving.as_ref().map_or(0.0, |moving| moving.travel(self.epoch + self.limit - moving.time()))
     }
 
     /// True if the particle with the flight `body` may touch a wall before it leaves its shell, or before the next
-    /// epoch. The shell is the ball in which its neighbour list is valid. Here it is the ball about its position at
-    /// `now` [s] since the epoch (zero of the calendar's time).
+    /// epoch (new zero of the event queue's time). The shell, the ball in which its neighbour list is valid, is here
+    /// the ball about its position at `now` [s] since the present epoch.
     pub fn at_wall(&self, body: &FlightState, now: f64) -> bool {
         let scene = self.scene;
         if scene.walls.is_empty() {
@@ -71,8 +71,8 @@ impl CalendarView<'_> {
     }
 }
 
-/// Component towards the walls of `vector`, a velocity or acceleration common to all particles. It is zero if the
-/// vector is parallel to all walls, or without walls. If a wall is not a plane, it is the whole vector.
+/// Component towards the walls of `vector`, a velocity or acceleration common to all particles. The component is zero
+/// if the vector is parallel to all walls, or without walls. If a wall is not a plane, it is the whole vector.
 pub fn across(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     vector - along_walls(scene, vector)
 }

@@ -34,7 +34,7 @@ enum Surroundings {
     /// Numbers of other islands (groups of particles that may meet) that this island may meet. The list contains all
     /// of them if the engine takes crowds (large islands moved by uniform steps), otherwise only one.
     Islands(Vec<usize>),
-    /// The island has too many members, or reaches too far, for an interval of time of this length.
+    /// The island has too many members, or reaches too far, for a part (interval of time) of the present length.
     TooLarge,
 }
 

@@ -9,8 +9,9 @@ use super::bounded::BoundedIslands;
 /// costs little. Otherwise the crowd would be solved again for each particle that it pushes.
 const BESIDE: f64 = 0.05;
 
-/// All members are sorted into cells again if the number of late members exceeds this number plus an eighth of the
-/// members in cells. Late members were added after the last sort, and every search must check all of them.
+/// Number that, with an eighth of the members in cells added, limits the number of late members. Late members were
+/// added after the members were last sorted into cells, and every search must check all of them. If there are more, all
+/// members are sorted again.
 const MANY_LATE: usize = 64;
 
 impl BoundedIslands<'_> {
@@ -51,8 +52,8 @@ impl BoundedIslands<'_> {
     }
 
     /// Indices of the particles that are in no island and that a member of a crowd (an island moved by uniform steps)
-    /// may touch: their balls overlap the ball of all positions that the member can have. Empty if the surroundings of
-    /// the member have already been searched with the present radius of its ball.
+    /// may touch: the ball of their straight flight overlaps the ball of all positions that the member can have. Empty
+    /// if the surroundings of the member have already been searched with the present radius of its ball.
     fn find_beside(&mut self, member: u32) -> Vec<u32> {
         let Member { index, ball, took_in, .. } = self.members[member as usize];
         let mut beside = Vec::new();

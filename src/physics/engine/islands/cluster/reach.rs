@@ -87,8 +87,9 @@ impl Clusters<'_> {
         (of_energy.min(of_momentum) * MARGIN).max(cluster.floor) + self.fall
     }
 
-    /// Computes, in parallel for all islands (groups of particles that may meet), the distances that their members may
-    /// reach. The data of an island depend only on its members, and then those of a member only on its island.
+    /// Computes, for all islands (groups of particles that may meet), the distances that their members may reach. First
+    /// the data of each island follow from its members, then the data of each member from its island. In both steps the
+    /// threads work in parallel.
     pub(super) fn settle_all(&mut self) {
         let mut clusters = std::mem::take(&mut self.list);
         work_sharing::for_each(clusters.chunks_mut(BATCH), |some| {
@@ -189,8 +190,8 @@ impl Clusters<'_> {
         theirs.map(|which| self.room(which)).fold(f64::INFINITY, f64::min)
     }
 
-    /// True if the island with the number `which` has not become a part of another one, and has a member for whose
-    /// index in the store `chosen` returns true.
+    /// True if the island with the number `which` (group of particles that may meet) has not been united with another
+    /// one, and has a member for whose index in the store `chosen` returns true.
     pub(in crate::engine) fn has(&self, which: usize, chosen: &impl Fn(u32) -> bool) -> bool {
         let Cluster { alive, hot, .. } = &self.list[which];
         *alive && hot.iter().any(|&member| chosen(self.members[member as usize].index))

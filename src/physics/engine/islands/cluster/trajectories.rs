@@ -25,7 +25,7 @@ pub struct ParticleTrajectory<'a> {
     /// Index of the particle in the particle store.
     pub index: u32,
     /// Velocity changes in the order of time; an empty list means a straight flight. With `None` the changes are
-    /// unknown, and the particle may be anywhere in the ball of its island member.
+    /// unknown, and the particle may be anywhere in the ball that was estimated for it.
     pub turns: Option<&'a [VelocityChange]>,
 }
 
@@ -57,6 +57,6 @@ pub struct Segment {
 pub struct MemberTrajectories {
     /// Trajectory of each member, for one island (group of particles that may meet) after another.
     pub ways: Vec<PiecewiseTrajectory>,
-    /// Velocity changes of all these trajectories. Those of one member follow one another.
+    /// Velocity changes of all trajectories in `ways`. Those of one member follow one another.
     pub turns: Vec<VelocityChange>,
 }
