@@ -49,15 +49,15 @@ pub struct Domain {
     /// Shear, by which periodic images above and below the box slide along z; `None` if images do not slide.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shear: Option<Shear>,
-    /// [m] half the edge length along periodic axes, infinity along others. If two particles are farther apart along an
-    /// axis than this half edge, a periodic image of one particle is nearer.
+    /// [m] half the edge length along periodic axes, infinity along the other axes. If two particles are farther apart
+    /// along a periodic axis than this half edge, a periodic image of one particle is nearer.
     #[serde(skip)]
     pub(crate) half: Vector3<f64>,
     /// [m²] square of the shortest half edge length of a periodic axis. If the distance of two particles is below this
     /// half edge, no periodic image is nearer. Infinite without periodic axes.
     #[serde(skip)]
     direct: f64,
-    /// [1/m] inverse edge length along periodic axes, 0 along others.
+    /// [1/m] inverse edge length along periodic axes, 0 along the other axes.
     #[serde(skip)]
     pub(crate) per_size: Vector3<f64>,
 }
@@ -131,8 +131,8 @@ impl Domain {
     }
 
     /// [m/s] multiple n γ L_y nearest to `velocity` [m/s], with a whole number n, the shear rate γ and the box height
-    /// L_y; 0 without shear. The velocities of periodic images of one particle in a sheared box differ by such
-    /// multiples.
+    /// L_y; 0 without shear. The velocities of periodic images of one particle in a sheared box differ by multiples of
+    /// γ L_y.
     pub fn whole_slides(&self, velocity: f64) -> f64 {
         let sliding = self.sliding();
         if sliding == 0.0 { 0.0 } else { sliding * (velocity / sliding).round() }
@@ -219,7 +219,7 @@ impl Domain {
         d
     }
 
-    /// True only if no periodic image of a particle is nearer to a second particle than the particle itself. `apart`
+    /// True only if the particle itself, and not a periodic image of it, is the nearest to a second particle. `apart`
     /// [m] is the vector between the two particles. The result may be false although no image is nearer.
     #[inline]
     pub fn is_direct(&self, apart: &Vector3<f64>) -> bool {
@@ -275,7 +275,7 @@ impl Domain {
     }
 
     /// Replaces a position [m] outside the box and its velocity [m/s] by those of the image inside the box. Returns the
-    /// change of the velocity along z [m/s], which is 0 unless the position is outside a sheared side.
+    /// change [m/s] of the velocity along z, which is 0 unless the position is beyond a sheared side.
     #[inline]
     pub fn wrap_motion(&self, position: &mut Vector3<f64>, velocity: &mut Vector3<f64>) -> f64 {
         let periods = self.sheared_periods(position);

@@ -83,7 +83,8 @@ pub struct Couple {
 /// acceleration by gravity and t the time of fall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTime {
-    /// [s] time from the time of the particle store to the computed time; particles fly straight meanwhile.
+    /// [s] time from the instant of the particle store to the instant of the relative position and velocity. Particles
+    /// fly straight meanwhile.
     pub ahead: f64,
     /// [s] time of free fall whose displacement g t²/2 must be added to positions relative to a wall. In this time the
     /// images in a sheared box have slid, and moving walls have moved, from their places in the scene.
@@ -186,7 +187,7 @@ impl Couple {
     }
 
     /// True if the other body is a wall with a constant normal, such as a plane. A contact without friction then
-    /// changes only one coordinate, that along the normal.
+    /// changes only the coordinate of the particle along the normal.
     pub fn is_flat(&self, scene: &Scene) -> bool {
         match self.other {
             Other::Particle(_) => false,
@@ -316,10 +317,10 @@ impl Couple {
         tangential_mass(self.indices().into_iter().flatten().map(of))
     }
 
-    /// [m/s] sum w = l_i ω_i + l_j ω_j over the two bodies, with the spins ω and the lever arms l. Its part in the slip
-    /// is -w × n, with the normal n. The second result is the ratio [-] of lever arm to radius. The lever arms of a
-    /// pair add up to the distance of the centres: `reach` [m], the sum of the radii, plus `gap` [m], the distance of
-    /// the surfaces. With these arms a contact conserves energy and angular momentum. At a wall the lever arm is the
+    /// [m/s] sum w = l_i ω_i + l_j ω_j over the two bodies, with the spins ω and the lever arms l. The spins contribute
+    /// -w × n to the slip, with the normal n. The second result is the ratio [-] of lever arm to radius. The lever arms
+    /// of a pair add up to the distance of the centres: `reach` [m], the sum of the radii, plus `gap` [m], the distance
+    /// of the surfaces. With these arms a contact conserves energy and angular momentum. At a wall the lever arm is the
     /// radius. For particles without spins the results are 0 and 1.
     #[inline(always)]
     pub fn surface_velocity(&self, particles: &Particles, reach: f64, gap: f64) -> (Vector3<f64>, f64) {
@@ -401,7 +402,7 @@ impl Couple {
         self.meet_at(self.reach(particles), particles, scene, moment)
     }
 
-    /// [m] distance between the centres of two particles that touch; at a wall the radius of the particle.
+    /// [m] distance between the centres of the two particles at touch; at a wall the radius of the particle.
     #[inline(always)]
     pub fn reach(&self, particles: &Particles) -> f64 {
         let radius = particles.radius[self.i as usize];

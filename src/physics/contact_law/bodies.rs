@@ -14,15 +14,15 @@ pub struct Bodies {
     pub effective_radius: f64,
     /// [-] normal restitution e of an isolated impact, which the law must reproduce.
     pub restitution: f64,
-    /// Restitution as a function of the normal speed. The field `restitution` is then its value at one typical speed,
-    /// for predictions. `None` if the restitution is constant.
+    /// Restitution as a function of the normal speed; `None` if the restitution is constant. The field `restitution` is
+    /// the value of this function at one typical speed, for predictions.
     #[serde(skip)]
     pub by_speed: Option<RestitutionBySpeed>,
     /// Elasticity of each body; `None` for a body with the elasticity of the contact law.
     #[serde(skip)]
     pub elasticity: [Option<Elasticity>; 2],
-    /// [-] ratio of the stiffness between these two bodies to that of the contact law, as given by
-    /// [`Meeting`](crate::scene::Meeting).
+    /// [-] ratio of the stiffness between these two bodies to the stiffness of the contact law. The contact properties
+    /// of the pair of bodies ([`Meeting`](crate::scene::Meeting)) give it.
     #[serde(skip)]
     pub stiffness_ratio: f64,
 }
@@ -81,8 +81,7 @@ impl Bodies {
         }
     }
 
-    /// Properties of two spheres of the species with the indices `one` and `other` in the scene. Both may be the same
-    /// index.
+    /// Properties of two spheres of the species with the indices `one` and `other` in the scene, which may be equal.
     pub fn between(scene: &Scene, one: u16, other: u16) -> Self {
         let meeting = scene.meeting(one, Kind::Species(other));
         let (first, second) = (&scene.species[usize::from(one)], &scene.species[usize::from(other)]);

@@ -57,9 +57,9 @@ impl fmt::Display for BrokenContract {
     }
 }
 
-/// [-] largest value that two quantities of a law may have: its elastic force at touch over its largest elastic force,
-/// and the relative error of its stored energy. This value is the error of a quadrature with `POINTS` intervals for a
-/// force whose slope is infinite at touch.
+/// [-] limit of two quantities of a law: its elastic force at touch over its largest elastic force, and the relative
+/// error of its stored energy. The limit is the error of a quadrature with `POINTS` intervals for a force whose slope
+/// is infinite at touch.
 const TOLERANCE: f64 = 1e-3;
 /// Number of intervals of the quadrature that integrates the elastic force over the overlap.
 const POINTS: u32 = 1000;

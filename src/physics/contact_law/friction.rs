@@ -26,8 +26,8 @@ pub struct Slip {
 pub struct Friction {
     /// [N] friction force on the other body; the force on particle i is its negative.
     pub force: Vector3<f64>,
-    /// [W] rate at which friction reduces the kinetic energy. It is computed for the instant that is `to_middle` [s]
-    /// (an argument of [`coulomb`]) after that of the slip.
+    /// [W] rate at which friction reduces the kinetic energy, at the instant that is `to_middle` [s] (an argument of
+    /// [`coulomb`]) after the instant of the slip.
     pub power: f64,
 }
 

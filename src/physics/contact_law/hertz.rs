@@ -30,14 +30,16 @@ pub struct Hertz {
 /// N^(-2.4) for N points. It is 1e-8 for the number chosen here.
 const POINTS: usize = 2000;
 
-/// [1/s] undamped frequency ω_0 of the linear oscillator in w = δ^(5/4), with respect to its time s. δ is the overlap.
+/// [1/s] undamped angular frequency ω_0 with which w = δ^(5/4) oscillates in an impact, where δ is the overlap. Time is
+/// here the time s of a linear oscillator, which [`Hertz`] defines.
 fn undamped(spring: &Spring) -> f64 {
     (0.8 * spring.stiffness / spring.effective_mass).sqrt() // 4/5, Antypov and Elliott
 }
 
 /// Points of an impact at a normal speed [m/s]: time [s], overlap δ [m] and rate of the overlap [m/s]. This rate equals
-/// dw/ds for w = δ^(5/4) and the time s of the linear oscillator. The points are the ends of `POINTS` intervals of the
-/// oscillator's phase. Intervals are short at both ends of the impact, where time is a singular function of the phase.
+/// dw/ds for w = δ^(5/4) and the time s of the linear oscillator that [`Hertz`] describes. The points are the ends of
+/// `POINTS` intervals of the oscillator's phase. Intervals are short at both ends of the impact, where time is a
+/// singular function of the phase.
 fn path(spring: &Spring, speed: f64) -> Vec<[f64; 3]> {
     let ratio = damping_ratio(spring.restitution);
     let damped = undamped(spring) * (1.0 - ratio * ratio).sqrt();
@@ -126,7 +128,7 @@ impl Law for Hertz {
         path(spring, speed)[POINTS][0]
     }
 
-    /// [m] largest overlap of an impact; it grows with the speed u as u^(4/5).
+    /// Returns the largest overlap [m] of an impact, which grows with the normal speed u as u^(4/5).
     fn greatest_overlap(&self, spring: &Spring, speed: f64) -> f64 {
         (reduced_overlap(spring.restitution) * speed / undamped(spring)).powf(0.8)
     }
@@ -146,8 +148,8 @@ impl Law for Hertz {
     }
 
     /// Returns Γ(7/5) (5 E/(2 k_H))^(2/5) [m] = ∫ exp(-V(δ)/E) dδ, with the stored energy V at the overlap δ and E =
-    /// `energy` [J]. Hard spheres with the same collisions have a diameter that is smaller by this length. k_H is
-    /// Hertz's constant, and Γ(7/5) a value of the gamma function.
+    /// `energy` [J]. Hard spheres that collide like these spheres have a diameter that is smaller by this length. k_H
+    /// is Hertz's constant, and Γ(7/5) a value of the gamma function.
     fn thermal_overlap(&self, spring: &Spring, energy: f64) -> f64 {
         libm::tgamma(1.4) * (2.5 * energy / spring.stiffness).powf(0.4)
     }

@@ -20,7 +20,7 @@ use crate::scene::Elasticity;
 /// the material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KuwabaraKono {
-    /// Elasticity of every body for which a case gives no elasticity.
+    /// Elasticity of every body for which a case (input file) gives no elasticity.
     pub elasticity: Elasticity,
 }
 
@@ -100,8 +100,8 @@ impl Law for KuwabaraKono {
     }
 
     /// Returns the ratio [-] of the viscous constant c sqrt(δ) to the critical one, 2 M ω, with the effective mass M
-    /// and the angular frequency ω. Both are taken at the largest overlap δ of an impact without damping. Damped
-    /// impacts have smaller overlaps.
+    /// and the angular frequency ω. Viscous constant and frequency are taken at the largest overlap δ of an impact
+    /// without damping. Damped impacts have smaller overlaps.
     fn damping_ratio(&self, spring: &Spring, speed: f64) -> f64 {
         let viscous = spring.dashpot * undamped_depth(spring, speed).sqrt();
         viscous / (2.0 * spring.effective_mass * self.frequency(spring, speed))

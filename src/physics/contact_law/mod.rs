@@ -87,8 +87,8 @@ pub trait Law: std::fmt::Debug + Send + Sync {
     /// [J] energy stored at overlap δ [m]: the work of the elastic force since touch.
     fn stored_energy(&self, spring: &Spring, overlap: f64) -> f64;
 
-    /// All numbers in which two laws of one type can differ. Programs compare laws, and recognise stored runs, by these
-    /// numbers. The first number is the elastic constant that a user increases for a stiffer contact.
+    /// All numbers in which two laws of one type can differ. The program compares laws, and recognises stored runs, by
+    /// these numbers. The first number is the elastic constant that a user increases for a stiffer contact.
     fn parameters(&self) -> Vec<Parameter>;
 
     /// Name of the law, for use in a sentence.
@@ -151,7 +151,8 @@ pub trait Law: std::fmt::Debug + Send + Sync {
         numerical::static_overlap(self, spring, force)
     }
 
-    /// [J] depth of the minimum of the stored energy below the energy at touch; 0 for a law without attraction.
+    /// [J] depth of the minimum of the stored energy, as a function of the overlap, below the energy at touch; 0 for a
+    /// law without attraction.
     fn well_depth(&self, spring: &Spring) -> f64 {
         numerical::well_depth(self, spring)
     }
@@ -224,8 +225,8 @@ pub enum ContactLaw {
     Other(&'static dyn Law),
 }
 
-/// Evaluates an expression with the chosen law. For the laws of this library, the type is fixed when the program is
-/// compiled, so that no virtual call is needed.
+/// Evaluates an expression with the chosen contact law. For the laws of this library, the type is fixed when the
+/// program is compiled, so that no virtual call is needed.
 macro_rules! with_law {
     ($chosen:expr, $law:ident => $value:expr) => {
         match $chosen {
@@ -292,7 +293,7 @@ impl ContactLaw {
         self.parameters().first().copied().unwrap_or(none)
     }
 
-    /// Constants of the normal contact of two bodies. A tangential law computes the constants of its spring from them.
+    /// Constants of the normal contact of two bodies, from which a tangential law computes the constants of its spring.
     pub fn normal_spring(&self, bodies: &Bodies, spring: &Spring) -> NormalSpring {
         let Spring { stiffness, dashpot, .. } = *spring;
         let contact_time = if self.is_linear() { self.contact_time(spring, 1.0) } else { f64::INFINITY };
@@ -352,7 +353,7 @@ impl std::ops::Deref for ContactLaw {
     }
 }
 
-/// A law of the calling program with a changed stiffness.
+/// A law of the calling program, with its elastic force multiplied by a factor.
 #[derive(Debug)]
 struct Stiffened {
     law: &'static dyn Law,

@@ -53,7 +53,7 @@ pub struct IntegratedImpact {
 }
 
 impl IntegratedImpact {
-    /// Integrates the impact at normal speed `speed` > 0 [m/s]; `None` if the impact does not end.
+    /// Integrates the impact at normal speed `speed` > 0 [m/s] in time steps; `None` if the impact does not end.
     pub fn new<L: Law + ?Sized>(law: &L, spring: &Spring, speed: f64) -> Option<Self> {
         let depth = undamped_overlap(law, spring, speed)?;
         let step = depth / speed / STEPS;
@@ -172,8 +172,8 @@ pub fn thermal_overlap<L: Law + ?Sized>(law: &L, spring: &Spring, energy: f64) -
     (0..=INTERVALS).map(|k| weight(k) * value(k)).sum::<f64>() * step / 3.0
 }
 
-/// [J] depth that [`Law::well_depth`] defines, from the stored energies at `SAMPLES` overlaps. It is infinite if the
-/// stored energy is negative at all overlaps.
+/// [J] depth of the minimum of the stored energy, as [`Law::well_depth`] defines it, from the energies at `SAMPLES`
+/// overlaps. It is infinite if the stored energy is negative at all overlaps.
 pub fn well_depth<L: Law + ?Sized>(law: &L, spring: &Spring) -> f64 {
     let energy = |overlap: f64| law.stored_energy(spring, overlap);
     let Some(end) = rising_zero(energy, 1e-6) else { return f64::INFINITY };

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Borders of the blocks into which the box is cut, one block for each process that shares a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Blocks {
-    /// [m] upper ends of the blocks along each axis, except the end of the last block, which is the side of the box.
+    /// [m] ends of the blocks along each axis, without the end of the last block, which is the side of the box.
     ends: [Vec<f64>; 3],
 }
 

@@ -25,14 +25,14 @@ impl Orbit {
         2.0 * self.rate * (2.0 * self.rate + shear)
     }
 
-    /// [rad/s] fastest rate at which the forces of the orbit change velocities.
+    /// [rad/s] fastest rate at which the forces of the orbit change velocities: the larger of 2 |Ω| and ν.
     pub fn fastest(&self) -> f64 {
         (2.0 * self.rate).abs().max(self.vertical_frequency)
     }
 
-    /// [m/s] change of the velocity of a particle in `duration` [s] at a constant place. `height` [m] is the distance
-    /// x - L_x/2 from the middle of the box, and `velocity` [m/s] the velocity relative to the mean flow. The change is
-    /// the exact solution for a constant place: velocities turn in the plane of the orbit.
+    /// [m/s] change of the velocity of a particle in `duration` [s] by the forces of the orbit, at a constant place.
+    /// `height` [m] is the distance x - L_x/2 from the middle of the box, and `velocity` [m/s] the velocity relative to
+    /// the mean flow. The change is the exact solution for a constant place: velocities turn in the plane of the orbit.
     pub fn kick(&self, height: f64, velocity: &Vector3<f64>, duration: f64) -> Vector3<f64> {
         let (sin, cos) = (2.0 * self.rate * duration).sin_cos();
         let less = 1.0 - cos;

@@ -21,8 +21,8 @@ pub struct WallMotion {
 }
 
 impl WallMotion {
-    /// Motion of the surface of a wall at `point` [m], at a time `ahead` [s] after the one for which the scene stores
-    /// the place of the wall.
+    /// Motion of the surface of a wall at `point` [m]. It is computed for the time `ahead` [s] after the time for which
+    /// the scene stores the place of the wall.
     pub fn of(wall: &Wall, point: &Vector3<f64>, ahead: f64) -> Self {
         let (velocity, spin) = (wall.surface_velocity(point, ahead), wall.spin().unwrap_or_default());
         let Some(moving) = &wall.moving else { return Self { velocity, spin, ..Self::default() } };
@@ -32,9 +32,9 @@ impl WallMotion {
         Self { velocity, spin, carried, acceleration: motion.acceleration(time), centripetal }
     }
 
-    /// [m/s²] acceleration with which the wall presses a particle that rests on it. It is negative if the particle
-    /// leaves the wall. `normal` is the unit vector from the wall to the particle, and `gravity` [m/s²] the
-    /// acceleration of the particle by gravity.
+    /// [m/s²] acceleration with which the wall pushes a particle that rests on it, in the direction of the normal.
+    /// Negative values mean that the particle leaves the wall. `normal` is the unit vector from the wall to the
+    /// particle, and `gravity` [m/s²] the acceleration of the particle by gravity.
     pub fn pressing(&self, gravity: &Vector3<f64>, normal: &Vector3<f64>) -> f64 {
         (self.acceleration + self.centripetal - gravity).dot(normal)
     }

@@ -14,7 +14,7 @@ pub use rows::{
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Number of bits of a digit of an exact sum.
+/// Number of bits of a digit of an exact sum, which is a number to the base 2^32.
 const BITS: u32 = 32;
 /// Number of 32-bit digits of an exact sum. They suffice for every finite `f64`, and for the sum of 2^40 numbers of the
 /// largest size.
@@ -133,9 +133,9 @@ impl ExactSum {
         self.added = 1;
     }
 
-    /// Returns the 64-bit words in which the sum is stored, for example to add up the sums of several processes. Up to
-    /// 2^20 sums may be added word by word: the words k of all sums are added to one word k. The resulting words are
-    /// those of the exact total, also with terms that are not finite.
+    /// Returns the 64-bit words in which the sum is stored, for example to add up the sums of several processes. Word k
+    /// of a total is the sum of the words k of all sums; up to 2^20 sums may be added in this way. The resulting words
+    /// are those of the exact total, also with terms that are not finite.
     pub fn words(&mut self) -> &mut [i64; WORDS] {
         self.carry();
         // all words count as used, since the caller may change any of them

@@ -13,11 +13,11 @@ use std::array::from_fn;
 
 /// Largest number of rows that are added together as a block. A row contains one number for each of several sums.
 pub const BLOCK: usize = 128;
-/// [-] first σ over the smallest power of two above all numbers of a block. σ is a large number that cuts off the lower
-/// bits of other numbers. The ratio must be at least `BLOCK` + 2.
+/// [-] first σ divided by the smallest power of two above all numbers of a block. σ is a large number that cuts off the
+/// lower bits of other numbers. The ratio must be at least `BLOCK` + 2.
 const ROOM: f64 = 256.0;
-/// [-] second σ over the first σ. Each σ is a large number that cuts off the lower bits of other numbers. The first σ
-/// leaves remainders of at most 2^-53 times this σ.
+/// [-] second σ divided by the first σ. Each σ is a large number that cuts off the lower bits of other numbers. The
+/// first σ leaves remainders of at most 2^-53 times this σ.
 const NEXT: f64 = ROOM * f64::EPSILON / 2.0;
 /// Range for the largest magnitude of the numbers in a block. Within this range nothing overflows and no bit is lost by
 /// underflow.
@@ -33,8 +33,8 @@ const CHUNK: usize = 8192;
 struct Parts<const K: usize> {
     high: [f64; K],
     low: [f64; K],
-    /// Remaining bits of all rows that neither partial sum contains, combined by bitwise OR for each column. The bits
-    /// of a column are 0, apart from the sign bit of a zero, if its partial sums are exact.
+    /// For each column, the bits of all rows that are not contained in the two partial sums, combined by bitwise OR.
+    /// The bits of a column are 0, apart from the sign bit of a zero, if its partial sums are exact.
     left: [u64; K],
     /// Largest magnitude of the numbers in each column of the block.
     largest: [f64; K],
@@ -124,8 +124,8 @@ fn all_columns<const K: usize>(rows: impl Iterator<Item = [f64; K]> + Clone) -> 
     Parts { high, low, left, largest }
 }
 
-/// Calls `make` with wide vector instructions (x86-64-v3), if the processor has them. The results are equal with and
-/// without them.
+/// Calls `make`, compiled for wide vector instructions (x86-64-v3) if the processor has them. The results are equal
+/// with and without these instructions.
 #[inline(always)]
 fn at_once<R>(make: impl FnOnce() -> R) -> R {
     #[cfg(target_arch = "x86_64")]
@@ -318,8 +318,8 @@ pub fn side_by_side<T: Copy + Default + Sync, const N: usize, const K: usize>(
 /// Number of rows that are collected for each group before they are added as one block.
 const WAITING: usize = 32;
 
-/// Exact sums of the K columns of rows, computed for each of several groups of rows, such as slices of the box. A group
-/// without rows takes hardly any memory.
+/// Exact sums of the K columns of rows of numbers, computed for each of several groups of rows, such as slices of the
+/// box. A group without rows takes hardly any memory.
 pub struct Groups<const K: usize>(Vec<Option<Box<GroupSums<K>>>>);
 
 /// Exact sums of one group of rows, and the rows of the group that are not yet added to the sums.
@@ -391,7 +391,7 @@ impl<const K: usize> Groups<K> {
             .collect()
     }
 
-    /// Values of the K sums of each group, each rounded to the nearest `f64`; 0 for a group without rows.
+    /// For each group, the values of its K sums, each rounded to the nearest `f64`; 0 for a group without rows.
     pub fn values(self) -> Vec<[f64; K]> {
         let of = |group: Option<Box<GroupSums<K>>>| {
             group.map_or([0.0; K], |mut group| {

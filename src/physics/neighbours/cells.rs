@@ -16,8 +16,8 @@ pub struct CellGrid {
     /// [1/m] number of cells per length along each axis.
     per_length: Vector3<f64>,
     start: Vec<u32>,
-    /// Index of the cell of each item, used while items are sorted. It is stored in the grid so that its memory is
-    /// reused.
+    /// For each item, the index of its cell, used while items are sorted. The list is stored in the grid so that its
+    /// memory is used again.
     cell: Vec<u32>,
 }
 
@@ -277,7 +277,8 @@ impl CellGrid {
         }
     }
 
-    /// Range of the items of the cells `first ..= last`, which are in one row, in the cell order.
+    /// Range, in the cell order (the list of all items, cell by cell), of the items of the cells `first ..= last` of a
+    /// row.
     fn indices(&self, first: usize, last: usize) -> Range<usize> {
         self.start[first] as usize..self.start[last + 1] as usize
     }
@@ -308,7 +309,7 @@ impl Around {
         self.first[0] = first;
     }
 
-    /// All ranges of the cell order that contain possible neighbours.
+    /// All ranges of the cell order (the list of all items, cell by cell) that contain possible neighbours.
     #[inline(always)]
     pub fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
         self.first.iter().zip(&self.end).take(self.count).map(|(&first, &end)| first..end)
@@ -321,7 +322,7 @@ struct AxisCells {
     /// number.
     first: isize,
     last: isize,
-    /// True if the cells cover the whole period of the axis.
+    /// True if all cells along a periodic axis are between the two coordinates.
     is_round: bool,
 }
 

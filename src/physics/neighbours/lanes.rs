@@ -1,12 +1,13 @@
-//! Comparison of one ball with eight other balls at the same time, in single precision.
+//! Test of one ball for overlap with eight other balls at the same time, in single precision. A ball contains a sphere
+//! or its path.
 //!
 //! If the processor has vectors of eight numbers (AVX2, tested at run time), the code uses them. Otherwise the code
 //! does the same operations on vectors of four numbers, in the same order, with equal results.
 
 use wide::f32x4;
 
-/// Number of balls that are compared with one ball at the same time. A lane is the position of one number in a vector
-/// register (which holds several numbers) of the processor.
+/// Number of balls that are tested for overlap with one ball at the same time. A lane is the position of one number in
+/// a vector register (which holds several numbers) of the processor.
 pub const LANES: usize = 8;
 
 /// [m] coordinates x, y, z of the centres, and radii, of `LANES` balls.
@@ -33,7 +34,7 @@ pub trait Lanes: Copy {
     fn near<const ACROSS: bool>(self, one: &[Self::Wide; 4], others: Spots, count: usize, period: &[f32; 3]) -> usize;
 }
 
-/// Comparison with vectors of four numbers, for every processor.
+/// Test for overlap by processor vectors of four numbers, for every processor.
 #[derive(Clone, Copy)]
 pub struct FourLanes;
 
@@ -75,14 +76,14 @@ impl Lanes for FourLanes {
     }
 }
 
-/// Comparison of one ball with eight others by processor vectors of eight numbers (AVX2 instructions).
+/// Test of one ball for overlap with eight others, by processor vectors of eight numbers (AVX2 instructions).
 #[cfg(target_arch = "x86_64")]
 pub mod eight {
     use super::{Lanes, Spots, first};
     use pulp::x86::V3;
     use std::arch::x86_64::{__m256, _CMP_LT_OQ};
 
-    /// Comparison with AVX2 instructions. A value of type `V3` exists only if the processor has these instructions.
+    /// Test for overlap by AVX2 instructions. A value of type `V3` exists only if the processor has these instructions.
     #[derive(Clone, Copy)]
     pub struct Eight(pub V3);
 

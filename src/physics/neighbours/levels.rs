@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Largest number of levels. The sizes in a level are within a factor of two, except in the last level, which has all
-/// smaller sizes.
+/// Largest number of levels (ranges of sizes). The sizes in a level are within a factor of two, except in the last
+/// level, which has all smaller sizes.
 const MOST_LEVELS: usize = 12;
 
 /// Level: spheres of similar size, sorted into cells. The *reach* of a sphere is its radius, or the radius of a ball
@@ -27,7 +27,7 @@ struct SizeLevel {
     grid: CellGrid,
     /// Indices of the spheres of the level, cell by cell.
     order: Vec<u32>,
-    /// Number of spheres in all levels before this one. Those levels contain the larger spheres.
+    /// Number of spheres in all levels (ranges of sizes) before this level, which have larger spheres.
     first: usize,
     /// [m] largest reach (radius, or radius of a ball around the path) of the spheres of the level.
     reach: f64,
@@ -46,14 +46,14 @@ pub struct SortedSizes<'a> {
     pub radius: &'a [f64],
     /// [m] largest and smallest radius of all items.
     pub range: [f64; 2],
-    /// [m] gap between surfaces up to which pairs are searched.
+    /// [m] skin: gap between surfaces up to which pairs are searched.
     pub skin: f64,
     /// Sizes of the spheres in all processes that share a run, from which the sizes of cells are chosen. `None` if this
     /// process stores all spheres.
     pub of_all: Option<&'a SizesOfAll>,
 }
 
-/// Numbers and sizes of the spheres in all processes that share a run, for each level (range of sizes).
+/// Number and largest size of the spheres in each level (range of sizes), counted over all processes that share a run.
 #[derive(Clone, Debug)]
 pub struct SizesOfAll {
     /// [m] largest and smallest radius of the spheres in all processes.
@@ -122,8 +122,9 @@ pub struct Census {
 }
 
 impl Census {
-    /// Counts the spheres of all processes in each level (range of sizes). `range` [m] contains the largest and the
-    /// smallest radius, and `volume` is the volume [m³] of the box. `None` if all spheres belong to one level.
+    /// Counts the spheres of all processes in each level (range of sizes). `sample` contains the particles of this
+    /// process. `range` [m] contains the largest and the smallest radius, and `volume` is the volume [m³] of the box.
+    /// `None` if all spheres belong to one level.
     pub fn of(sample: &Sample, range: [f64; 2], volume: f64) -> Option<Self> {
         if !is_wide(range) {
             return None;
@@ -208,8 +209,8 @@ impl SizeLevels {
         }
     }
 
-    /// Sorts items of all sizes inside a region into a single level. `position` and `reach` are functions as in
-    /// [`sort`](Self::sort).
+    /// Sorts items of all sizes inside a region into a single level (range of sizes). `position` and `reach` are
+    /// functions as in [`sort`](Self::sort).
     pub fn sort_alike<T: Sync>(
         &mut self,
         items: &[T],
@@ -235,7 +236,7 @@ impl SizeLevels {
         self.levels.iter().map(|level| level.reach).fold(0.0, f64::max)
     }
 
-    /// Indices of all items, level by level and cell by cell.
+    /// Indices of all items, level by level (a level is a range of sizes) and cell by cell.
     pub fn order(&self) -> Cow<'_, [u32]> {
         match self.levels.as_slice() {
             [one] => Cow::Borrowed(&one.order),
@@ -243,8 +244,8 @@ impl SizeLevels {
         }
     }
 
-    /// Removes and returns the list of indices that [`order`](Self::order) gives. The grids of cells remain; the
-    /// memory that was used for sorting is freed.
+    /// Removes and returns the list of indices that [`order`](Self::order) gives. The grids of cells remain. The memory
+    /// that was used only for sorting is freed.
     pub fn take_order(&mut self) -> Vec<u32> {
         self.levels.iter_mut().for_each(|level| level.grid.shed());
         match self.levels.as_mut_slice() {

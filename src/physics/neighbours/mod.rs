@@ -57,7 +57,7 @@ impl Pair {
     }
 }
 
-/// A particle and a wall that may touch.
+/// A particle and a wall that may touch soon.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NearWall {
     /// Index of the particle in the particle store.
@@ -82,9 +82,9 @@ impl NearWall {
 /// ones.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct NeighbourList {
-    /// Pairs whose gap was below the skin when the list was built, grouped by the first particle `i`.
+    /// Pairs whose gap was below the skin (a length) when the list was built, grouped by the first particle `i`.
     pub pairs: Vec<Pair>,
-    /// Particles and walls whose gap was below the skin when the list was built, sorted by wall.
+    /// Particles and walls whose gap was below the skin (a length) when the list was built, sorted by wall.
     pub walls: Vec<NearWall>,
     /// Clock that measures the time spent on building lists.
     #[serde(skip)]
@@ -95,7 +95,8 @@ pub struct NeighbourList {
     /// otherwise `None`. With a common distance, the code need not read radii.
     common_reach: Option<f64>,
     skin: f64,
-    /// [-] number of times that the list can be used before it must be rebuilt, at the speeds when it was built.
+    /// [-] number of times that the list can be used before it must be rebuilt, at the speeds that particles had when
+    /// the list was built.
     uses: f64,
     travelled: f64,
     frame: Vector3<f64>,
@@ -116,14 +117,15 @@ impl NeighbourList {
         self.skin
     }
 
-    /// [m] largest distance that a particle may have moved relative to the frame since the list was built.
+    /// [m] upper limit of the distance that any particle has moved, relative to the frame, since the list was built.
     pub fn travelled(&self) -> f64 {
         self.travelled
     }
 
-    /// The inner list for gaps up to s contains the fraction s/skin of all pairs, and can be used n·s/skin times,
-    /// where n (the field `uses`) is the number of uses of the whole list. During these uses all pairs are tested
-    /// once, and those of the inner list at every use. The cost is lowest for s = skin/√n.
+    /// [m] skin s of an inner list, which contains only pairs with gaps below s; `None` if an inner list would save no
+    /// time. The inner list contains the fraction s/skin of all pairs, and can be used n·s/skin times, where n (the
+    /// field `uses`) is the number of uses of the whole list. During these uses all pairs are tested once, and those of
+    /// the inner list at every use. The cost is lowest for s = skin/√n.
     pub fn inner_skin(&self) -> Option<f64> {
         // for fewer uses there is no gain; at most 400 are assumed, because speeds may increase
         (self.uses >= 8.0).then(|| self.skin / self.uses.min(400.0).sqrt())
@@ -144,12 +146,13 @@ impl NeighbourList {
         self.pairs.len() + self.walls.len()
     }
 
-    /// True if the list stays complete while every particle moves by up to `distance` [m] relative to the frame.
+    /// True if the list stays complete while every particle moves by up to `distance` [m] relative to the frame of the
+    /// list.
     pub fn allows(&self, distance: f64) -> bool {
         self.builds > 0 && 2.0 * (self.travelled + distance) <= self.skin
     }
 
-    /// [m] distance that every particle may still move relative to the frame while the list stays complete.
+    /// [m] distance that every particle may still move relative to the frame of the list while the list stays complete.
     pub fn room(&self) -> f64 {
         if self.builds > 0 { 0.5 * self.skin - self.travelled } else { 0.0 }
     }
@@ -160,7 +163,7 @@ impl NeighbourList {
         self.travelled = f64::INFINITY;
     }
 
-    /// Adds `distance` [m] to the distance that particles may have moved relative to the frame.
+    /// Adds `distance` [m] to the distance that particles may have moved relative to the frame of the list.
     pub fn travel(&mut self, distance: f64) {
         self.travelled += distance;
     }
@@ -230,8 +233,8 @@ impl NeighbourList {
         Self { pairs: Vec::new(), walls: Vec::new(), clock, first_pair, ..*self }
     }
 
-    /// Builds the list again. `particles` must be at the positions for which the list was last built. The list keeps
-    /// its record of the distance that particles have moved since then. Returns the previous index of each particle.
+    /// Builds the list again. `particles` must be at the positions for which the list was last built. The stored
+    /// distance that particles have moved since then does not change. Returns the previous index of each particle.
     pub fn build_again(&mut self, particles: &mut Particles, scene: &Scene) -> Vec<u32> {
         let (travelled, builds) = (self.travelled, self.builds);
         let plan =

@@ -1,5 +1,6 @@
-//! Fast test for possible overlaps of balls. The balls are stored in cell order and in single precision, and tested
-//! eight at a time. The test rejects most pairs, so that few pairs need an exact test.
+//! Fast test for possible overlaps of balls, each of which contains a sphere or its path. The balls are stored in cell
+//! order and in single precision, and tested eight at a time. The test rejects most pairs, so that few pairs need an
+//! exact test.
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::eight::Eight;
@@ -11,14 +12,14 @@ use crate::work_sharing;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Number of lanes (positions in a vector register of the processor) whose results are stored at the same time.
+/// Number of balls whose test results are stored at the same time.
 const AT_ONCE: usize = 4;
 
-/// A ball, prepared for comparison with several others at the same time.
+/// A ball (which contains a sphere or its path), prepared for a test of overlap with several others at the same time.
 struct PackedBall<W> {
     /// Index of the ball in the particle store.
     index: u32,
-    /// [m] centre and radius, each repeated in all lanes of a vector.
+    /// [m] centre and radius, each repeated in all lanes (positions) of a vector register of the processor.
     spot: [W; 4],
 }
 
@@ -41,7 +42,7 @@ const LANES_OF: [[usize; AT_ONCE]; 1 << AT_ONCE] = {
     all
 };
 
-/// Largest number of indices of balls that are collected before they are passed to the caller.
+/// Largest number of indices of overlapping balls that are collected before they are passed to the caller.
 const ROOM: usize = 64;
 
 /// Collection of the indices of balls that may overlap another ball. Indices are added without branches (conditional
@@ -86,7 +87,7 @@ fn spot_of((middle, radius): (Vector3<f64>, f64), region: &Region, rounding: f64
     [middle.x as f32, middle.y as f32, middle.z as f32, (radius + rounding) as f32]
 }
 
-/// Balls in cell order (sorted cell by cell), stored for fast tests of overlap.
+/// Balls (which contain spheres or their paths), sorted cell by cell and stored for fast tests of overlap.
 #[derive(Default)]
 pub struct PackedBalls {
     /// Indices of the balls in the particle store; the padding at the end has no meaning.
@@ -127,7 +128,7 @@ impl PackedBalls {
         });
     }
 
-    /// Prepares ball number `number` of the cell order for comparison with several balls at the same time.
+    /// Prepares ball number `number` of the cell order for a test of overlap with several balls at the same time.
     #[inline(always)]
     fn one<L: Lanes>(&self, number: usize, lanes: L) -> PackedBall<L::Wide> {
         let [x, y, z, radii] = &self.spots;
@@ -135,12 +136,12 @@ impl PackedBalls {
         PackedBall { index: self.indices[number], spot: spot.map(|number| lanes.splat(number)) }
     }
 
-    /// Calls `visit` with the index of each ball of a row of cells, and the indices of balls that may overlap it. Each
-    /// pair occurs once, but several calls in succession may belong to one ball. `row` contains the number of a level
-    /// (range of sizes), and the number of a row in the grid of this level. `smaller` returns, for the index of a
-    /// ball, the centre and the radius [m] with which this ball is searched for neighbours in levels for smaller
-    /// sizes. `CROWDED` should be true if, in most tests of four balls, at least one of them overlaps the ball. This
-    /// choice changes the speed but not the results. Returns the number of pairs tested.
+    /// Calls `visit` with the index of each ball of a row of cells, and the indices of balls that may overlap this
+    /// ball. Each pair occurs once, but several calls in succession may belong to one ball. `row` contains the number
+    /// of a level (range of sizes), and the number of a row in the grid of this level. `smaller` returns, for the index
+    /// of a ball, the centre and the radius [m] with which it is searched for neighbours in levels for smaller sizes.
+    /// `CROWDED` should be true if most tests of four balls find an overlap. This choice changes the speed but not the
+    /// results. Returns the number of pairs tested.
     #[inline(always)]
     pub fn for_each_near<const CROWDED: bool>(
         &self,
@@ -258,7 +259,7 @@ impl PackedBalls {
     }
 
     /// Collects the balls of a range of the cell order that may overlap the ball `one`. Because of rounding, some of
-    /// these balls do not overlap it but have a small gap. `across` must be true if periodic images of the balls may
+    /// the collected balls have a small gap from this ball. `across` must be true if periodic images of the balls may
     /// be nearer than the balls themselves.
     #[inline(always)]
     fn pick<const CROWDED: bool, L: Lanes>(

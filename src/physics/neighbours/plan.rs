@@ -75,7 +75,7 @@ impl ListSettings {
 ///
 /// There are `count` particles with the mean radius `mean_radius` [m]. `travel` [m] is the distance that particles may
 /// move relative to the frame between two uses of the list. Costs are counted per particle and use, in units of the
-/// test of one pair. They are constants that were measured once, so that results do not depend on the machine.
+/// test of one pair. The costs were measured once and are constants, so that results do not depend on the machine.
 fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f64) -> f64 {
     /// [-] cost of building a list, per particle, over the cost of testing one pair (docs/design/neighbours.md,
     /// "Skin").

@@ -10,7 +10,7 @@ pub struct Region {
     low: Vector3<f64>,
     /// [m] edge lengths of the block.
     size: Vector3<f64>,
-    /// [m] period (edge of the box) along each periodic axis that the block does not fill; otherwise `None`.
+    /// [m] edge of the box along each periodic axis that the block does not fill; `None` along the other axes.
     period: [Option<f64>; 3],
     /// True for each periodic axis along which the block fills the box.
     periodic: [bool; 3],
@@ -58,13 +58,14 @@ impl Region {
         self.size.product()
     }
 
-    /// True for each axis along which the block is periodic: a particle that leaves it on one side enters it on the
-    /// opposite side.
+    /// True for each axis along which the block is periodic: a particle that leaves the block on one side enters it on
+    /// the opposite side.
     pub fn periodic(&self) -> [bool; 3] {
         self.periodic
     }
 
-    /// [m] vector from the lowest corner of the block to the periodic image of `x` [m] that is nearest to the block.
+    /// [m] vector from the lowest corner of the block to a particle at `x` [m], or to its periodic image nearest to the
+    /// block.
     #[inline]
     pub fn local(&self, x: &Vector3<f64>) -> Vector3<f64> {
         let mut local = x - self.low;

@@ -9,7 +9,7 @@ pub(super) struct Sieve<T> {
 }
 
 impl<T: Copy> Sieve<T> {
-    /// Makes an empty sieve, whose unused entries contain `any`.
+    /// Makes an empty sieve (collection of selected items), whose unused entries contain `any`.
     pub(super) fn new(any: T) -> Self {
         Self { held: [any; 64], count: 0 }
     }

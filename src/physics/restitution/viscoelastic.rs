@@ -39,8 +39,8 @@ struct ImpactState {
 }
 
 impl ImpactState {
-    /// State after a step `h` of the integration variable, by the classical Runge-Kutta method. `slope` returns the
-    /// derivatives of a state with respect to this variable.
+    /// State after a step `h` of the integration variable σ, by the classical Runge-Kutta method. `slope` returns the
+    /// derivatives of a state with respect to σ.
     fn step(&self, h: f64, slope: impl Fn(&Self) -> Self) -> Self {
         let along = |slope: &Self, h: f64| Self {
             root: self.root + h * slope.root,
@@ -101,8 +101,8 @@ fn smooth(damping: f64) -> [f64; 3] {
     [restitution.powf(0.2) * stretched, duration, depth * stretched.powf(0.4)]
 }
 
-/// Table of the three functions of β that `smooth` returns, at equal intervals of β/(1 + β) from 0 to `LARGEST`. It is
-/// made at first use.
+/// Table of the three functions of the damping number β that `smooth` returns, at equal intervals of β/(1 + β) from 0
+/// to `LARGEST`. The table is made at first use.
 static TABLE: LazyLock<Vec<[f64; 3]>> = LazyLock::new(|| {
     let share = |k: usize| LARGEST * k as f64 / INTERVALS as f64;
     let mut table: Vec<[f64; 3]> = (0..=INTERVALS).map(|k| smooth(share(k) / (1.0 - share(k)))).collect();
@@ -139,7 +139,7 @@ pub fn viscoelastic_impact(damping: f64) -> ViscoelasticImpact {
     }
 }
 
-/// [-] damping β of viscoelastic spheres with which an impact has the restitution `restitution`, 0 < e <= 1.
+/// [-] damping number β of viscoelastic spheres for which an impact has the restitution e = `restitution`, 0 < e <= 1.
 pub fn damping_for(restitution: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     while viscoelastic_impact(high).restitution > restitution {

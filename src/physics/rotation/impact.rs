@@ -35,7 +35,8 @@ pub struct ImpactKind {
 }
 
 impl ImpactKind {
-    /// True if both kinds have equal restitution, and mass ratios and shear ratios that are equal up to rounding.
+    /// True if both kinds of impacts have the same restitution and, up to rounding, the same mass ratios and shear
+    /// ratios.
     pub fn is_like(&self, other: &Self) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs();
         self.has_table_of(other) && near(self.shear_ratio, other.shear_ratio)

@@ -37,8 +37,8 @@ pub const THIN_SHELL: f64 = 2.0 / 3.0;
 pub struct Rotation {
     /// Law of the tangential force in soft contacts (soft and hybrid models).
     pub tangential: TangentialLaw,
-    /// Rule of the tangential impulse in instantaneous impacts. They occur in hard and hybrid models, and in DSMC
-    /// (direct simulation Monte Carlo, which draws collisions at random).
+    /// Rule of the tangential impulse in instantaneous impacts. Such impacts occur in hard and hybrid models, and in
+    /// DSMC (direct simulation Monte Carlo, which draws collisions at random).
     pub impact: ImpactRule,
     /// Law of rolling resistance in soft contacts; `None`: no rolling resistance.
     #[serde(skip_serializing_if = "Option::is_none")]

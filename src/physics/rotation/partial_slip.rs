@@ -37,15 +37,15 @@ enum RingState {
 pub struct PartialSlip {
     /// [-] effective mass M_t of the slip, divided by the effective mass M of the normal motion.
     mass: f64,
-    /// [-] outer radii of the rings, from the inside out. The outermost one is the largest radius of the contact, 1.
+    /// [-] outer radii of the rings, from the inside out. The outermost radius is the largest radius of the contact, 1.
     radii: Vec<f64>,
     /// [-] time in which the edge of the growing contact crosses each ring, from the inside out.
     steps: Vec<f64>,
-    /// [-] mean tangential displacements. Row i, column j: at the middle of ring i, by the traction sqrt(1 - r²/c²) on
-    /// a circle of radius c, the outer radius of ring j.
+    /// [-] mean tangential displacements. The element in row i and column j is the displacement at the middle of ring
+    /// i, by the traction sqrt(1 - r²/c²) on a circle of radius c, the outer radius of ring j.
     displacement: DMatrix<f64>,
-    /// [-] tractions. Row i, column j: at the middle of ring i, of the distribution sqrt(1 - r²/c²) on a circle of
-    /// radius c, the outer radius of ring j.
+    /// [-] tractions (tangential forces per area). The element in row i and column j is the traction at the middle of
+    /// ring i, of the distribution sqrt(1 - r²/c²) on a circle of radius c, the outer radius of ring j.
     traction: DMatrix<f64>,
 }
 
@@ -90,11 +90,11 @@ impl PartialSlip {
         slip - 0.5 * self.steps[0] * force / self.mass
     }
 
-    /// Amplitudes q of the tractions q sqrt(1 - r²/c²), one per radius c of a ring in contact, after the bodies have
-    /// moved by `moved` relative to each other. `displaced` holds the displacements of the rings before this motion.
-    /// `state` has the states of the rings in contact, at least one. The states are changed until two conditions hold.
-    /// Each ring that sticks has at most the traction of the friction limit, and each ring that slides does so along
-    /// its traction.
+    /// Amplitudes q of the tractions q sqrt(1 - r²/c²), one per radius c of a ring in contact. They are computed after
+    /// the bodies have moved by `moved` relative to each other. `displaced` holds the displacements of the rings before
+    /// this motion. `state` has the states of the rings in contact, at least one. The states are changed until two
+    /// conditions hold. Each ring that sticks has at most the traction of the friction limit, and each ring that slides
+    /// does so along its traction.
     fn tractions(&self, state: &mut [RingState], displaced: &DVector<f64>, moved: f64) -> DVector<f64> {
         let rings = state.len();
         let displacement = self.displacement.view((0, 0), (rings, rings));

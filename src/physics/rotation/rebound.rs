@@ -20,9 +20,10 @@ use std::sync::OnceLock;
 /// and 1e-6 (Hertz's law).
 const STEPS: u32 = 120;
 
-/// Number of intervals in each of the two parts of a table of Φ. One part ends at a slip beyond which all impacts slide
-/// to their end; the other part covers larger slips. The error of linear interpolation is 1e-6, and at most 1e-5 near
-/// the slips at which the sequence of sticking and sliding changes.
+/// Number of intervals in each of the two parts of a table of the function Φ (slip after an impact as a function of the
+/// slip before). One part ends at a slip beyond which all impacts slide to their end; the other part covers larger
+/// slips. The error of linear interpolation is 1e-6, and at most 1e-5 near the slips at which the sequence of sticking
+/// and sliding changes.
 const POINTS: usize = 4096;
 
 /// Oblique impact of two bodies with a normal and a tangential law. The units are the effective mass M, the normal
@@ -38,8 +39,8 @@ pub struct ObliqueImpact {
     pub mass: f64,
 }
 
-/// Quantities of an impact at one instant, from which the rates of slip and shear are computed. All values are in the
-/// units of [`ObliqueImpact`].
+/// Quantities of an impact at one instant, from which the rates of slip and shear are computed. The units are those of
+/// [`ObliqueImpact`].
 #[derive(Clone, Copy, Debug)]
 struct ImpactInstant {
     /// Largest tangential force over μ: max(f, 0), with the normal force f. `limit_rate` is its time derivative.
@@ -200,8 +201,8 @@ impl ObliqueImpact {
     }
 
     /// Number that is positive as long as the phase `phase` (sticking or sliding) lasts, and 0 when the next phase
-    /// begins. For sticking it is the limit minus the force. For sliding it is the rate at which the force of a
-    /// sticking contact would grow beyond the limit.
+    /// begins. For sticking it is the limit of the tangential force minus this force. For sliding it is the rate at
+    /// which the force of a sticking contact would grow beyond the limit.
     fn goes_on(&self, phase: SlipPhase, state: &State) -> f64 {
         let ImpactInstant { limit, limit_rate, spring, rate, .. } = self.instant(state.at);
         match phase {
@@ -240,7 +241,7 @@ impl ObliqueImpact {
         if beyond > 0.0 { SlipPhase::Slide(1.0) } else { SlipPhase::Stick }
     }
 
-    /// [-] reduced slip Φ(σ_0) after the impact. `slip` is the reduced slip σ_0 >= 0 [-] before it.
+    /// [-] reduced slip Φ(σ_0) after the impact. `slip` is the reduced slip σ_0 >= 0 [-] before the impact.
     pub fn rebound(&self, slip: f64) -> f64 {
         let mut state = State { at: 0.0, slip, shear: 0.0 };
         let mut phase = self.first_phase(&state);
@@ -328,7 +329,7 @@ impl ReboundPoints {
 }
 
 impl PartialEq for ReboundTable {
-    /// True if restitutions and impacts are equal, because they determine the table.
+    /// True if the restitutions and the impacts of two tables are equal, because they determine all values of a table.
     fn eq(&self, other: &Self) -> bool {
         (self.restitution, self.impact) == (other.restitution, other.impact)
     }
@@ -340,14 +341,14 @@ impl ReboundTable {
         Self { restitution, impact, points: OnceLock::new() }
     }
 
-    /// [-] measure of the difference between this table and the wanted restitution and mass ratio M_t/M. The table with
-    /// the smallest measure is used.
+    /// [-] measure of the difference between the restitution and mass ratio M_t/M of this table and the wanted ones. Of
+    /// several tables, the one with the smallest measure is used.
     #[inline]
     pub fn distance(&self, restitution: f64, mass: f64) -> f64 {
         2.0 * (self.restitution - restitution).abs() + (self.impact.mass - mass).abs()
     }
 
-    /// [-] reduced slip Φ(σ_0) after an impact. `slip` is the reduced slip σ_0 >= 0 [-] before it.
+    /// [-] reduced slip Φ(σ_0) after an impact. `slip` is the reduced slip σ_0 >= 0 [-] before the impact.
     #[inline]
     pub fn rebound(&self, slip: f64) -> f64 {
         let ReboundPoints { most, near, far } = self.points.get_or_init(|| ReboundPoints::of(&self.impact));

@@ -62,12 +62,13 @@ pub struct ResistanceFriction {
 }
 
 impl ResistanceFriction {
-    /// True if the surface has neither coefficient.
+    /// True if the surface has neither a coefficient of rolling friction nor one of twisting friction.
     pub fn is_of_law(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Returns these coefficients. A missing coefficient is replaced by that of `usual`.
+    /// Returns these coefficients of rolling and twisting friction. A missing coefficient is replaced by that of
+    /// `usual`.
     pub fn or(self, usual: Self) -> Self {
         Self { rolling: self.rolling.or(usual.rolling), twisting: self.twisting.or(usual.twisting) }
     }
@@ -111,16 +112,16 @@ impl RollingBodies {
     }
 }
 
-/// Constants of a spring with the given stiffness [N/m] at an overlap of 1 m. The stiffness is proportional to the
-/// overlap to the power `half_powers`/2. The dashpot has the fraction `damping` [-] of the critical damping of the mass
-/// `own_mass` [kg]. `mass` [kg] is the effective mass of the motion.
+/// Constants of a spring and a dashpot. The spring has the stiffness `stiffness` [N/m] at an overlap of 1 m. The
+/// stiffness is proportional to the overlap to the power `half_powers`/2. The dashpot has the fraction `damping` [-] of
+/// the critical damping of the mass `own_mass` [kg]. `mass` [kg] is the effective mass of the motion.
 fn damped(stiffness: f64, half_powers: u8, damping: f64, mass: f64, own_mass: f64) -> SpringDashpotSlider {
     let dashpot = 2.0 * damping * (stiffness * own_mass).sqrt();
     SpringDashpotSlider { stiffness, dashpot, half_powers, ..SpringDashpotSlider::without_memory(mass) }
 }
 
 impl RollingLaw {
-    /// Rolling resistance between two bodies. `normal` holds the constants of their normal contact.
+    /// Rolling resistance between two bodies. `normal` holds the constants of the normal contact of these bodies.
     pub fn between(&self, normal: &NormalSpring, bodies: &RollingBodies) -> Resistance {
         let without = SpringDashpotSlider::without_memory(bodies.mass);
         match *self {

@@ -33,7 +33,7 @@ pub struct SpringDashpotSlider {
     /// [-] 2n, if the stiffness k is proportional to δ^n, with the overlap δ, and the dashpot constant c to δ^(n/2). It
     /// is 0 if k and c do not depend on the overlap.
     pub half_powers: u8,
-    /// Quantity that the contact stores while the stiffness changes.
+    /// Quantity that the contact stores of its spring while the stiffness changes: force or shear.
     pub history: SpringHistory,
 }
 
@@ -41,12 +41,13 @@ pub struct SpringDashpotSlider {
 /// do not slip.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SpringRates {
-    /// [1/s] -ξ'/ξ: relative rate at which the shear ξ decreases so that the force stays constant. A prime denotes the
-    /// rate of change, here and below.
+    /// [1/s] -ξ'/ξ: relative rate at which the shear ξ decreases so that the force stays constant. The prime denotes
+    /// the rate of change.
     pub forgotten: f64,
     /// [1/s] F'/F: relative rate of change of the force F = k ξ of the spring, with the stiffness k and the shear ξ.
+    /// The prime denotes the rate of change.
     pub force: f64,
-    /// [1/s] c'/c: relative rate of change of the dashpot constant c.
+    /// [1/s] c'/c: relative rate of change (denoted by the prime) of the dashpot constant c.
     pub dashpot: f64,
 }
 
@@ -63,7 +64,7 @@ impl SpringDashpotSlider {
         Self { mass, ..Self::default() }
     }
 
-    /// Returns the constants at the overlap `overlap` [m], in which stiffness and dashpot are those of this overlap.
+    /// Returns the constants with the stiffness and the dashpot that the spring has at the overlap `overlap` [m].
     #[inline(always)]
     pub fn at(&self, overlap: f64) -> Self {
         if self.half_powers == 0 {
@@ -111,7 +112,7 @@ impl SpringDashpotSlider {
         SpringRates { forgotten, force: stiffness - forgotten, dashpot: 0.5 * stiffness }
     }
 
-    /// [J] energy k ξ²/2 of the spring with the shear ξ [m].
+    /// [J] energy k ξ²/2 of the spring with the shear ξ [m] and the stiffness k.
     #[inline(always)]
     pub fn energy(&self, shear: &Vector3<f64>) -> f64 {
         0.5 * self.stiffness * shear.norm_squared()
@@ -149,7 +150,7 @@ impl SpringDashpotSlider {
 
 /// [m] shear of a spring after the normal of its contact has turned. The shear is first turned into the plane
 /// perpendicular to `normal`, with its length unchanged. It is then turned about the normal by the small `angle` [rad]
-/// of a step.
+/// by which the contact turns in a step.
 #[inline(always)]
 pub fn turned(shear: &Vector3<f64>, normal: &Vector3<f64>, angle: f64) -> Vector3<f64> {
     let square = shear.norm_squared();

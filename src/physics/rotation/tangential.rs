@@ -19,7 +19,7 @@ pub enum TangentialLaw {
     /// the effective radius and δ the overlap. The total force of this spring and a dashpot is at most μ max(f_n, 0),
     /// with the friction μ and the normal force f_n.
     Mindlin {
-        /// Quantity that the contact stores while its stiffness changes.
+        /// Quantity that the contact stores of its spring while the stiffness changes: force or shear.
         history: SpringHistory,
         /// [-] ratio c_t/c_n of the tangential to the normal dashpot constant. Both constants are proportional to
         /// δ^(1/4), with the overlap δ.
@@ -53,9 +53,9 @@ pub struct NormalSpring {
     pub dashpot: f64,
     /// [s] contact time T_c of a linear law; infinite for other laws, whose contact time depends on the speed.
     pub contact_time: f64,
-    /// [N/m] derivative of the elastic normal force with respect to the overlap, at an overlap of 1 m.
+    /// [N/m] slope of the elastic normal force as a function of the overlap, at an overlap of 1 m.
     pub tangent: f64,
-    /// [-] twice the power of the overlap to which `tangent` is proportional; 0 for a linear law.
+    /// [-] number p if the slope `tangent` is proportional to δ^(p/2), with the overlap δ; 0 for a linear law.
     pub half_powers: u8,
     /// [N/m^1.5] Mindlin's tangential stiffness over the square root of the overlap, 8 G* sqrt(R), with the effective
     /// shear modulus G* and the effective radius R; 0 for other laws.
@@ -72,7 +72,7 @@ impl NormalSpring {
 
 impl TangentialLaw {
     /// Constants of the tangential spring and dashpot between two bodies. `normal` returns the constants of their
-    /// normal contact, and `mass` is the effective mass M_t [kg] of their slip.
+    /// normal contact, and `mass` is the effective mass M_t [kg] of the slip of these bodies.
     pub fn between(&self, normal: impl FnOnce() -> NormalSpring, mass: f64) -> SpringDashpotSlider {
         match self {
             Self::Coulomb => SpringDashpotSlider::without_memory(mass),

@@ -9,9 +9,9 @@ use super::{Flight, Geometry};
 /// point of the path lies deeper inside a ball than s²/(8 r). For a path as long as this gap, the depth is 1e-17 r,
 /// which is below rounding.
 const CLOSE: f64 = 1e-8;
-/// Largest number of steps of a search. A flight at an angle a to the surface needs about ln(1/CLOSE)/(2 sin a) steps,
-/// so this number is enough for angles down to 1e-3 rad. At smaller angles the normal speed is below a thousandth of
-/// the speed.
+/// Largest number of steps of a search for a touch. A flight at an angle a to the surface needs about ln(1/CLOSE)/(2
+/// sin a) steps, so this number is enough for angles down to 1e-3 rad. At smaller angles the normal speed is below a
+/// thousandth of the speed.
 const STEPS: usize = 10_000;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, by conservative advancement (Mirtich 1996, Impulse-based

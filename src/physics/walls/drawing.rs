@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 /// Number of flat sides with which round bodies are drawn.
 const SIDES: u32 = 64;
 
-/// Surface as triangles: corner points [m], and for each triangle the indices of its three corners.
+/// Surface as triangles, for pictures: corner points [m], and for each triangle the indices of its three corners.
 pub type Drawing = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
 
 /// Surface of revolution, made by rotating a line about an axis. The points of the line [m] are given by their

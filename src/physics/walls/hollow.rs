@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
 
-/// One side of a hollow body. Its normal points into the body, to the particles.
+/// One side of a hollow body. The normal of the side points into the body, to the particles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum InnerSide {
@@ -102,7 +102,7 @@ impl Hollow {
         Self { room, sides }
     }
 
-    /// Shape of the hollow body.
+    /// Shape and size of the hollow body.
     pub fn room(&self) -> &Cavity {
         &self.room
     }

@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 impl Frustum {
-    /// True if a point [m] lies between the two ends of the shell and is nearer to the axis than the shell at the same
-    /// height.
+    /// True if `point` [m] is inside this shell (a round wall that is open at both ends). The point must be between the
+    /// two ends, and nearer to the axis than the shell at the same height.
     pub(super) fn surrounds(&self, point: &Vector3<f64>) -> bool {
         let from = point - self.axle.center;
         let along = from[self.axle.axis];
@@ -18,10 +18,12 @@ impl Frustum {
 }
 
 impl Mesh {
-    /// True if the triangles cover more than half of the full solid angle 4π, seen from `point` [m]. False for a point
-    /// outside the box around the triangles. A triangle with corners in the directions a, b, c covers the solid angle Ω
-    /// with tan(Ω/2) = a·(b × c)/(1 + a·b + b·c + c·a) (van Oosterom and Strackee 1983, IEEE Trans. Biomed. Eng. 30,
-    /// 125).
+    /// True if `point` [m] is inside this surface of triangles, which may have openings. The triangles must then cover
+    /// more than half of the full solid angle 4π, seen from the point. False for a point outside the box around the
+    /// triangles.
+    ///
+    /// A triangle with corners in the directions a, b, c covers the solid angle Ω with tan(Ω/2) = a·(b × c)/(1 + a·b +
+    /// b·c + c·a) (van Oosterom and Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125).
     pub(super) fn surrounds(&self, point: &Vector3<f64>) -> bool {
         let [low, high] = self.bounds();
         if (0..3).any(|axis| point[axis] < low[axis] || point[axis] > high[axis]) {

@@ -96,13 +96,13 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     }
 
     /// Largest number of simultaneous contacts of the wall with one sphere. A sphere in a corner has several contacts.
-    /// They are numbered from 0.
+    /// The contacts are numbered from 0.
     fn contacts(&self) -> u32 {
         1
     }
 
-    /// Nearest point of the wall in contact number `which` of a sphere with the centre `point` [m] and the radius
-    /// `radius` [m].
+    /// Nearest point of the wall in contact number `which` (from 0) of a sphere with the centre `point` [m] and the
+    /// radius `radius` [m].
     fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         let _ = (which, radius);
         self.nearest(point)
@@ -161,7 +161,7 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
     }
 
     /// True if the contacts of a sphere are numbered by their distance from its centre, the nearest first. Then
-    /// [`first_touch`](Self::first_touch) finds every touch for contact 0, and none for the other contacts.
+    /// [`first_touch`](Self::first_touch) finds every touch for contact 0, and returns `None` for the other contacts.
     fn is_nearest_first(&self) -> bool {
         false
     }
@@ -180,8 +180,8 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// [m] lowest and highest corner of a box around the body. `None` for endless shapes and for vessels, which contain
-    /// all particles.
+    /// [m] lowest and highest corner of a box around the body. `None` for endless shapes, and for vessels (walls around
+    /// all particles).
     fn bounds(&self) -> Option<[Vector3<f64>; 2]> {
         None
     }
@@ -205,7 +205,7 @@ pub trait Geometry: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// [m³] volume inside a vessel, which contains all particles; `None` if the wall is not a vessel. `size` [m]
+    /// [m³] volume inside a vessel (a wall around all particles); `None` if the wall is not a vessel. `size` [m]
     /// contains the edges of the domain, which limit the volume of a vessel without ends.
     fn vessel_volume(&self, size: &Vector3<f64>) -> Option<f64> {
         let _ = size;
@@ -325,14 +325,14 @@ impl WallGeometry {
         if self.is_flat() { 1 } else { self.law().contacts() }
     }
 
-    /// Nearest point of the wall in contact number `which` of a sphere with the centre `point` [m] and the radius
-    /// `radius` [m].
+    /// Nearest point of the wall in contact number `which` (from 0) of a sphere with the centre `point` [m] and the
+    /// radius `radius` [m].
     #[inline]
     pub fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         self.plane().map_or_else(|| self.law().contact(which, point, radius), |plane| plane.nearest(point))
     }
 
-    /// True if the normal of contact number `which` does not depend on the position of the sphere.
+    /// True if the normal of contact number `which` (from 0) does not depend on the position of the sphere.
     #[inline]
     pub fn is_flat_at(&self, which: u32) -> bool {
         self.is_flat() || self.law().is_flat_at(which)
@@ -349,20 +349,20 @@ impl WallGeometry {
         self.law().first_touch(which, flight, radius, until)
     }
 
-    /// Nearest point at the instant of a touch, as [`Geometry::struck`] defines it. For planes a virtual call is
-    /// avoided.
+    /// Nearest point at the instant of a touch, as [`Geometry::struck`] defines it. For planes no virtual function is
+    /// called, which is faster.
     #[inline]
     pub fn struck(&self, which: u32, feature: u32, point: &Vector3<f64>, radius: f64) -> Nearest {
         self.plane().map_or_else(|| self.law().struck(which, feature, point, radius), |plane| plane.nearest(point))
     }
 
-    /// True if contact number `which` may begin, as [`Geometry::may_touch`] defines it.
+    /// True if contact number `which` (from 0) of a sphere may begin, as [`Geometry::may_touch`] defines it.
     pub fn may_touch(&self, which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.law().may_touch(which, point, radius, skin)
     }
 
     /// True if the surface may be within `distance` [m] of `point` [m], as [`Geometry::is_within`] defines it. For
-    /// planes a virtual call is avoided.
+    /// planes no virtual function is called, which is faster.
     #[inline]
     pub fn is_within(&self, point: &Vector3<f64>, distance: f64) -> bool {
         self.plane()
@@ -409,7 +409,7 @@ impl WallGeometry {
 /// A wall: a shape with its position at an instant, and the properties of its surface.
 #[derive(Clone, Debug, Serialize)]
 pub struct Wall {
-    /// Shape and position of the wall at the instant of its scene.
+    /// Shape of the wall at its place at one instant, that of the scene.
     pub geometry: WallGeometry,
     /// Restitution and friction between the wall and every particle.
     pub surface: Surface,

@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 /// point.
 const MANY: usize = 8;
 
-/// Search structure for the walls of a scene: a tree of the boxes around them. Among hundreds of bodies, such as the
-/// pins of a board, only a few near a point need to be tested.
+/// Search structure for the walls of a scene: a tree of the boxes around the walls. Among hundreds of bodies, such as
+/// the pins of a board, only a few near a point need to be tested.
 #[derive(Clone, Default)]
 pub struct NearWalls {
     /// Indices of the walls that are tested for every point: planes, vessels (walls around all particles) and walls
@@ -93,7 +93,7 @@ impl NearWalls {
         self.tree.is_none()
     }
 
-    /// Approximate number of tests for one point; a search in the tree counts as one test.
+    /// Approximate number of walls tested for one point; a search in the tree counts as one test.
     pub fn asked(&self) -> usize {
         self.always.len() + usize::from(self.tree.is_some())
     }

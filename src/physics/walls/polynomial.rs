@@ -36,8 +36,8 @@ pub(super) fn rises(coefficients: &[f64], until: f64) -> impl Iterator<Item = f6
     })
 }
 
-/// [s] all times in `(0, until)` at which a polynomial changes sign, in ascending order. At most one of them lies
-/// between two successive sign changes of the derivative.
+/// [s] all times in `(0, until)` at which a polynomial changes sign, in ascending order. At most one of these times
+/// lies between two successive sign changes of the derivative.
 fn crossings(coefficients: &[f64], until: f64) -> Vec<f64> {
     if coefficients.len() < 2 {
         return Vec::new();

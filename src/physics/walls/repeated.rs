@@ -5,9 +5,9 @@ use crate::domain::Domain;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Largest number of images, counted from the nearest one, that are tested on each side along an axis. A particle can
-/// meet farther images only in a later window (time between two exchanges of momentum with the gas), and after each
-/// window it is moved back into the domain.
+/// Largest number of images, counted from the nearest image, that are tested on each side along an axis. A particle can
+/// meet farther images only in a later window (time between two exchanges of momentum with the gas). After each window
+/// the particle is moved back into the domain.
 const FARTHEST: f64 = 2.0;
 
 /// A body in a periodic domain together with its images. Particles may leave the domain during a window (the time
@@ -41,8 +41,8 @@ impl Repeated {
         &self.shape
     }
 
-    /// Number of the image of the body that is nearest to `coordinate` [m] along an axis. The body itself has
-    /// the number 0, and the images follow at whole periods.
+    /// Number of the image of the body that is nearest to `coordinate` [m] along an axis. The body itself has the
+    /// number 0, and the image with the number n is n periods away.
     fn image(&self, axis: usize, coordinate: f64) -> f64 {
         let center = 0.5 * (self.around[0][axis] + self.around[1][axis]);
         self.periods[axis].map_or(0.0, |period| ((coordinate - center) / period).round())

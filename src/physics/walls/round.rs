@@ -6,8 +6,8 @@ use super::{Drawing, Flight, Geometry, Nearest, Touch, Turning, convex, polynomi
 use nalgebra::{Vector2, Vector3};
 use serde::Serialize;
 
-/// [-] smallest distance, over the radius of the sphere, that is returned if the sphere cannot touch a side of a wall.
-/// The number exceeds 1, so that there is no contact.
+/// [-] distance of a wall's side, over the radius of the sphere, that is returned at least if the sphere cannot touch
+/// this side. The number exceeds 1, so that there is no contact.
 const OUT_OF_SIGHT: f64 = 1.25;
 
 /// Axis of a round wall, parallel to x, y or z. Points are described in a half-plane bounded by this axis. Their
@@ -67,11 +67,11 @@ impl Geometry for Tube {
 
     /// Computes the time of touch [s] as the first root of a polynomial; `None` without a touch. Let ρ(t) = |p + q t +
     /// α t²/2| be the distance of the sphere's centre from the axis. Here p, q and α are the components of position,
-    /// velocity and gravity perpendicular to the axis. The sphere touches the wall when ρ = a + b t + c t²/2, the
-    /// radius of the wall beside the centre minus sqrt(1 + s²) times the radius of the sphere. For a straight flight
-    /// (for pipes: straight in the plane perpendicular to the axis) the degree is two, otherwise four. Conservative
-    /// advancement (steps in which the sphere certainly touches nothing) would need too many steps for a sphere that
-    /// slides down a cone in ever smaller bounces.
+    /// velocity and gravity perpendicular to the axis. The sphere touches the wall when ρ = a + b t + c t²/2. This is
+    /// the radius of the wall beside the centre minus sqrt(1 + s²) times the radius of the sphere, with the slope s of
+    /// the wall. For a straight flight (for pipes: straight in the plane perpendicular to the axis) the degree is two,
+    /// otherwise four. Conservative advancement (steps in which the sphere certainly touches nothing) would need too
+    /// many steps for a sphere that slides down a cone in ever smaller bounces.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let curved = if self.slope == 0.0 { self.axle.across(&flight.gravity) } else { flight.gravity };
         let from = flight.position - self.axle.center;
@@ -137,9 +137,10 @@ impl Geometry for Bowl {
     }
 
     /// Computes the time of touch [s] as the first root of a polynomial; `None` without a touch. The centre of the
-    /// particle is at the distance |p + q t + g t²/2| from the centre of the bowl. Here p is the position relative to
-    /// the centre of the bowl, q the velocity, and g gravity. At a touch this distance is the radius of the bowl minus
-    /// that of the particle. The degree is two without gravity, and four with gravity.
+    /// particle is at the distance |p + q t + g t²/2| from the centre of the hollow sphere. Here p is the position
+    /// relative to the centre of the hollow sphere, q the velocity, and g gravity. At a touch this distance is the
+    /// radius of the hollow sphere minus that of the particle. The degree is two without gravity, and four with
+    /// gravity.
     fn touch_time(&self, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
         let (p, q, g) = (flight.position - self.center, flight.velocity, flight.gravity);
         let reach = self.radius - radius;
@@ -304,8 +305,8 @@ impl Geometry for Frustum {
         if which == 0 { self.touch_time(flight, radius, until).map(Touch::at) } else { None }
     }
 
-    /// Returns true if the near side may be touched, for both contacts, because a sphere above the rim may reach the
-    /// opposite side anywhere.
+    /// Returns true if the sphere may touch the near side of the wall. The result is the same for contact 1, the
+    /// opposite side of a shell, which a sphere above the rim may touch anywhere.
     fn may_touch(&self, _which: u32, point: &Vector3<f64>, radius: f64, skin: f64) -> bool {
         self.nearest(point).distance - radius < skin
     }

@@ -16,7 +16,7 @@ use std::fmt;
 #[derive(Clone, Serialize)]
 pub struct Obstacle {
     center: Vector3<f64>,
-    /// Axis of the domain (0, 1 or 2) to which the y axis of the shape is parallel.
+    /// Index of the axis of the domain (0, 1, 2 for x, y, z) to which the y axis of the shape is parallel.
     axis: usize,
     shape: RoundBody,
 }

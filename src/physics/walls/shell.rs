@@ -7,11 +7,11 @@
 use super::{Flight, Frustum, Geometry, Nearest, advancement, polynomial};
 use nalgebra::{Vector2, Vector3};
 
-/// Number of steps of conservative advancement. This method is tried first, because it is faster for flights that are
-/// not along the shell.
+/// Number of steps of conservative advancement (steps in which the sphere certainly touches nothing). This method is
+/// tried first, because it is faster for flights that are not along the shell.
 const STEPS: usize = 100;
-/// [-] largest gap or overlap at a root that counts as a touch, divided by a length: the radius of the sphere plus the
-/// distance of its centre from the centre of the shell.
+/// [-] largest gap or overlap, at a root of the polynomials, that counts as a touch. It is divided by the radius of the
+/// sphere plus the distance of its centre from the centre of the shell.
 const NEAR: f64 = 1e-9;
 
 /// [s] time of touch as [`Geometry::touch_time`] defines it, for a thin shell. `None` without a touch until `until`

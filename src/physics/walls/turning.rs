@@ -38,7 +38,8 @@ impl Turning {
 }
 
 impl Wall {
-    /// [m/s] velocity of the surface at `point` [m], at the time `ahead` [s] after the instant of the wall's scene.
+    /// [m/s] velocity of the wall's surface at `point` [m], at the time `ahead` [s] after the instant of the wall's
+    /// scene.
     #[inline(always)]
     pub fn surface_velocity(&self, point: &Vector3<f64>, ahead: f64) -> Vector3<f64> {
         match &self.moving {
@@ -70,7 +71,7 @@ impl Wall {
         turning.spin.cross(&(near - turning.center))
     }
 
-    /// [rad/s] angular velocity of the surface; `None` if neither the surface nor the shape turns.
+    /// [rad/s] angular velocity of the wall's surface; `None` if neither the surface nor the shape turns.
     #[inline(always)]
     pub fn spin(&self) -> Option<Vector3<f64>> {
         let shape = self.moving.as_ref().and_then(|moving| moving.motion().spin());

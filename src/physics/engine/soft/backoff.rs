@@ -14,21 +14,22 @@ use crate::experiment::Integrator;
 use serde::{Deserialize, Serialize};
 
 /// [ns] cost per particle of one search for touches on straight flights. The search computes the flight of the
-/// particle, and sorts the particle into a cell. The choice of the time for which islands are solved (`cheapest_part`)
-/// uses the same value.
+/// particle, and sorts the particle into a cell. The function `cheapest_part`, which chooses the time for which islands
+/// (groups of particles that may meet) are solved, uses the same value.
 const SEARCH: f64 = 90.0;
 
 /// [ns] cost of testing one pair of particles for a touch.
 const CHECK: f64 = 1.2;
 
-/// [ns] cost of copying a particle into an island and back. It is half of the cost per member in `cheapest_part`,
-/// which also contains the cost of solving the island.
+/// [ns] cost of copying a particle into an island (group of particles that may meet) and back. The function
+/// `cheapest_part` uses twice this value, because it includes the cost of solving the island.
 const MEMBER: f64 = 700.0;
 
-/// [ns] cost of one contact force in an island.
+/// [ns] cost of one contact force in an island (group of particles that may meet).
 const FORCE: f64 = 45.0;
 
-/// [ns] cost of moving one particle by one stage of an island's time step, or of testing one gap of the island.
+/// [ns] cost of moving one particle of an island (group of particles that may meet) by one Runge-Kutta stage, or of
+/// testing one gap in the island.
 const UPDATE: f64 = 10.0;
 
 /// [ns] cost of testing one slot (candidate) of the neighbour list in a uniform step.
@@ -37,26 +38,28 @@ const LISTED: f64 = 5.0;
 /// [ns] cost of one contact force in a uniform step, including the update of the stored data of the contact.
 const CONTACT: f64 = 50.0;
 
-/// Longest pause of islands, in windows. A failed trial of islands costs about as much as uniform steps in five
-/// windows, which is less than a tenth of this pause.
+/// Longest pause in which islands (groups of particles that may meet) are not tried, as a number of windows (times
+/// between two exchanges with the gas). A failed trial of islands costs about as much as uniform steps in five windows.
+/// This is less than a tenth of the longest pause.
 const LONGEST: u32 = 64;
 
-/// [ns] cost of local steps of islands with `forces` contact forces. `updates` is the number of particles moved, summed
-/// over all stages of the steps, plus the number of gaps tested.
+/// [ns] cost of local time steps, which move only islands (groups of particles that may meet). `forces` is the number
+/// of contact forces. `updates` is the number of particles moved, summed over all stages of the steps, plus the number
+/// of gaps tested.
 pub fn steps_cost(forces: u64, updates: u64) -> f64 {
     FORCE * forces as f64 + UPDATE * updates as f64
 }
 
-/// Work that uniform steps (of all particles) would need for the simulated time that islands have covered. The cost of
-/// the islands is compared with the cost of this work.
+/// Work that uniform steps (of all particles) would need for the simulated time that islands (groups of particles that
+/// may meet) have covered. The cost of the islands is compared with the cost of this work.
 pub struct Rival {
-    /// [-] number of steps times the number of force evaluations per step.
+    /// [-] number of uniform steps times the number of force evaluations per step.
     pub stages: f64,
     /// Number of particles that uniform steps would move.
     pub particles: usize,
-    /// Number of slots (candidates) of the neighbour list that each step would test.
+    /// Number of slots (candidates for contacts) of the neighbour list that each uniform step would test.
     pub slots: usize,
-    /// [-] number of contact forces that the steps would compute.
+    /// [-] number of contact forces that the uniform steps would compute.
     pub forces: f64,
 }
 
@@ -68,18 +71,20 @@ impl Rival {
     }
 }
 
-/// Pause in which islands (groups of particles that may meet) are not tried, as a number of windows.
+/// Pause in which islands (groups of particles that may meet) are not tried, as a number of windows (times between two
+/// exchanges with the gas).
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Backoff {
-    /// Length of the last pause, in windows.
+    /// Length of the last pause, as a number of windows (times between two exchanges with the gas). It is halved after
+    /// each window in which islands cost no more than uniform steps.
     stay: u32,
-    /// Number of windows that remain of the present pause.
+    /// Number of windows (times between two exchanges with the gas) until the present pause ends.
     left: u32,
 }
 
 impl Backoff {
-    /// Returns true during a pause, in which islands are not tried. Each call then reduces the remaining pause by one
-    /// window.
+    /// Returns true during a pause, in which islands are not tried. During a pause, each call shortens the rest of the
+    /// pause by one window.
     pub fn waits(&mut self) -> bool {
         let waits = self.left > 0;
         self.left = self.left.saturating_sub(1);

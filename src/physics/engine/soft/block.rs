@@ -52,14 +52,14 @@ pub struct ForceEvaluation {
 /// Sums over the contacts of one block (range of candidates in the neighbour list) in one force evaluation.
 #[derive(Default)]
 pub struct ForceSums {
-    /// Rows (lists) of powers [W] and forces [N] that add up without rounding errors to those of the block's contacts.
+    /// Lists (rows) of powers [W] and forces [N] whose exact sums are the sums over all contacts of the block.
     pub rows: ContactRows,
-    /// [J] elastic energy of the contacts. It is summed only for Heun's method, whose predicted state the contacts do
-    /// not store.
+    /// [J] elastic energy of the contacts. It is summed only for Heun's method, in which the last forces of a step are
+    /// those of a predicted state, which contacts do not store.
     pub elastic_energy: f64,
     /// Numbers of contact forces computed and of candidates tested in the evaluation.
     pub done: ForceEvaluation,
-    /// Failure with the smallest ids, if an overlap is too large or a centre has passed a body; otherwise `None`.
+    /// Failure (overlap too large, or centre passed a body) with the smallest ids of particles; `None` without failure.
     pub failure: Option<Failure>,
 }
 
@@ -92,13 +92,13 @@ pub struct ContactBlock {
     records: PackedContacts,
     /// Contacts that began in the state last predicted by Heun's method, in the order of the neighbour list.
     foreseen: Vec<Contact>,
-    /// Slots (candidates) of pairs that may overlap before particles have moved by `near_until`, in ascending order.
+    /// Slots (candidates) of pairs that may overlap before a particle has moved by `near_until`, in ascending order.
     near: Vec<u32>,
     /// [m] motion of particles up to which `near` and `near_walls` are valid; `None` if they must be made anew.
     near_until: Option<f64>,
-    /// Slots (candidates) of particles that may overlap a wall before particles have moved by `near_until`.
+    /// Slots (candidates) of particles that may overlap a wall before a particle has moved by `near_until` [m].
     near_walls: Vec<u32>,
-    /// [m] for each slot with a wall: motion of particles since the list was built, up to which the two cannot touch.
+    /// [m] for each slot with a wall: motion since the list was built, below which the particle cannot touch the wall.
     free_until: Vec<f64>,
     /// Contact forces of the last evaluation.
     pub pushes: ForceBuffer,
@@ -127,7 +127,7 @@ impl ContactBlock {
         self.slots.contains(&(slot as usize))
     }
 
-    /// Adds a contact of one of the block's slots (candidates). The list may contain its bodies in opposite order.
+    /// Adds a contact of one of the block's slots (candidates). In `list` its bodies may be in the opposite order.
     pub fn put(&mut self, contact: &Contact, list: &NeighbourList) {
         let Contact { touch, course, slot } = *contact;
         let course = if list.couple(slot as usize) == touch.couple { course } else { course.reversed() };
@@ -148,7 +148,7 @@ impl ContactBlock {
         self.foreseen.sort_unstable_by_key(|contact| contact.slot);
     }
 
-    /// Frees the memory of all data of the block that are computed again for the next neighbour list.
+    /// Frees the memory of data that the block computes anew for each neighbour list.
     pub fn shed(&mut self) {
         (self.near, self.near_walls, self.near_until) = (Vec::new(), Vec::new(), None);
         (self.free_until, self.ended, self.pushes) = (Vec::new(), Vec::new(), ForceBuffer::default());
@@ -392,8 +392,8 @@ impl ContactBlock {
         Contact { slot, touch, course }
     }
 
-    /// Records the impact of a contact that has ended, and removes the contact. If `gone` is true, the surface no
-    /// longer has the normal of this contact, and the slot (candidate) now belongs to another contact of the wall.
+    /// Records the impact of a contact that has ended, and removes the contact. `gone` is true if the wall has no
+    /// contact with this normal any more, and its slot (candidate) now stands for a contact with another normal.
     fn close(
         &mut self,
         TouchingSlot { slot, record }: TouchingSlot,

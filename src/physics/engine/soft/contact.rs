@@ -53,7 +53,8 @@ pub fn first_named(one: Option<Failure>, other: Failure) -> Failure {
     one.filter(|one| name(one) <= name(&other)).unwrap_or(other)
 }
 
-/// Constants of a contact between two bodies. They contain no index, so equal pairs of bodies have equal constants.
+/// Constants of a contact between two bodies. They contain no index of a particle, so contacts between equal pairs of
+/// bodies have equal constants.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactConstants {
     /// Constants of the normal contact law for the two bodies.
@@ -62,7 +63,7 @@ pub struct ContactConstants {
     pub diameter: f64,
     /// [-] friction coefficient μ of the two surfaces.
     pub friction: f64,
-    /// [m] distance of the centres at touch; at a wall the radius.
+    /// [m] distance of the centres at touch; at a wall the radius of the particle.
     pub reach: f64,
     /// Constants of the tangential law; all zero if spheres do not rotate.
     pub tangential: SpringDashpotSlider,
@@ -92,28 +93,28 @@ pub struct Contact {
     pub slot: u32,
     /// The two bodies that touch, and the constants of their contact.
     pub touch: TouchingPair,
-    /// State of the contact: its present overlap, its springs and its record so far.
+    /// State of the contact: its present overlap, its springs, and values stored since it began.
     pub course: ContactState,
 }
 
-/// State of a contact: the present overlap and the record so far.
+/// State of a contact: the present overlap and springs, and values stored since the contact began.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct ContactState {
     /// [m/s] speed of approach at the beginning of the contact.
     pub normal_speed: f64,
     /// [m] overlap when the contact was first found.
     pub first_overlap: f64,
-    /// [m] largest overlap so far.
+    /// [m] largest overlap since the contact began.
     pub maximum_overlap: f64,
-    /// [m] overlap at the last evaluation.
+    /// [m] overlap at the last evaluation of the force.
     pub overlap: f64,
-    /// [m/s] rate of change of the overlap at the last evaluation; positive: approaching.
+    /// [m/s] rate of change of the overlap at the last evaluation of the force; positive: approaching.
     pub growth: f64,
-    /// [m s] integral of the overlap over time so far.
+    /// [m s] integral of the overlap over the time since the contact began.
     pub overlap_time: f64,
     /// [s] simulated time at which the contact was first found.
     pub began: f64,
-    /// Unit normal at the last evaluation, in single precision; `None` before the first evaluation.
+    /// Unit normal at the last evaluation of the force, in single precision; `None` before the first evaluation.
     pub normal: Option<Vector3<f32>>,
     /// [m] shear ξ of the tangential spring: displacement of particle i along the surface of the other body. It is 0
     /// for a contact without such a spring.
@@ -127,7 +128,8 @@ pub struct ContactState {
     pub facet: Option<Vector3<f64>>,
 }
 
-/// State of the rolling and twisting springs of a contact. It does not depend on the order of the two bodies.
+/// State of the rolling and twisting springs of a contact. If the two bodies of the contact change places, this state
+/// stays the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResistanceMemory {
     /// [m] shear of the rolling spring, perpendicular to the normal.
@@ -234,8 +236,8 @@ impl ContactState {
         (particles, scene): (&Particles, &Scene),
         (time, dt): (f64, f64),
     ) -> Result<(), Failure> {
-        /// [-] upper limit of the ratio of the largest speed in a step to the speed at the end of the step. In a
-        /// contact of about twenty steps the ratio is smaller.
+        /// [-] assumed upper limit of the ratio of the largest speed in a step to the speed at the end of the step. In
+        /// a contact of about twenty steps the ratio is smaller.
         const FASTER: f64 = 2.0;
         let ContactConstants { diameter, reach, .. } = *constants;
         let (i, limit) = (couple.i as usize, overlap_limit(false));
@@ -306,8 +308,8 @@ impl ContactForce {
     }
 }
 
-/// Contact constants of any two particles, if all particles are alike. With these constants, a first touch or a force
-/// need not read the data of two particles, which are far apart in memory.
+/// Contact constants of any two particles, if all particles are alike. With these constants, the code that computes a
+/// force need not read the data of two particles, which are far apart in memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Alike {
     constants: ContactConstants,
@@ -335,14 +337,15 @@ impl Alike {
         TouchingPair { couple, constants: self.constants }
     }
 
-    /// Species of the first particle of a pair, and kind of the second. Both are the single species of all particles.
+    /// Species of the first particle of a pair, and kind of the second particle. All particles have one species, so
+    /// both results name this species.
     pub fn kinds(&self) -> (u16, Kind) {
         (self.species, Kind::Species(self.species))
     }
 }
 
-/// [m/s²] gravity minus the acceleration of the wall, for a particle and a wall; 0 for two particles, since both fall
-/// equally.
+/// [m/s²] gravity minus the acceleration of the wall, for a particle and a wall. For two particles it is 0, since
+/// gravity accelerates both equally.
 #[inline(always)]
 pub(super) fn relative_gravity(
     couple: &Couple,

@@ -9,12 +9,13 @@ use crate::record::{AT_WALLS, BY_SHEAR, FrictionLosses, Ledger, OF_PAIRS, OF_SPR
 use crate::scene::Scene;
 use nalgebra::{Matrix3, Vector3};
 
-/// Number of rows that are condensed (replaced by a few rows with the same sums) at the same time. These rows take 3
-/// kB, which stay in the processor's cache. With 128 rows a dense scene takes 9 % longer.
+/// Number of rows (powers and forces of one contact each) that are replaced by a few rows with the same sums at the
+/// same time. So many rows take 3 kB, which stay in the processor's cache. With 128 rows a dense scene takes 9 %
+/// longer.
 const BATCH: usize = 32;
 
 /// Contributions of one contact to the sums, in the order of [`OF_PAIRS`] or [`AT_WALLS`]: powers [W], and for a pair
-/// the virial (products of arm and force) [N m], or for a wall forces [N].
+/// the virial (products of the vector between the centres and the force) [N m], or for a wall forces [N].
 type SumRow = [f64; SOME];
 
 /// Powers [W] at which the springs of one contact lose energy, in the order of [`OF_SPRINGS`].
@@ -146,8 +147,8 @@ impl Default for ContactSums {
 }
 
 impl ContactSums {
-    /// Adds rows to the sums, multiplied by `weight` [-]. The weight is a power of two, or 0, so the products are
-    /// exact.
+    /// Adds rows (powers and forces of contacts) to the sums, multiplied by `weight` [-]. The weight is a power of two,
+    /// or 0, so the products are exact.
     pub fn add(&mut self, rows: &ContactRows, weight: f64) {
         self.is_empty &= weight == 0.0 || (rows.of_pairs.is_empty() && rows.at_walls.is_empty());
         add_weighted(&mut self.of_pairs, &rows.of_pairs, weight);
@@ -187,7 +188,7 @@ impl ContactSums {
         }
     }
 
-    /// Parts [W] of the power that friction dissipates in all contacts.
+    /// [W] power that friction dissipates in all contacts, listed by cause.
     pub fn friction_losses(&self) -> FrictionLosses {
         if self.is_empty {
             return FrictionLosses::default();

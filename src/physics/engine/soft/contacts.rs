@@ -22,10 +22,11 @@ use serde::{Deserialize, Serialize};
 
 /// Log and record to which time steps add energies, momenta and impacts.
 pub struct StepRecord<'a> {
-    /// Log of energies and momenta, and of impacts that may still be discarded.
+    /// Log of energies, momenta and impacts. The log of a crowd (large group of particles that is moved separately) may
+    /// be discarded, because the crowd is then moved again.
     pub log: &'a mut Log,
-    /// Record that counts impacts when they end, so that the impacts of a whole window need no memory. `None` if
-    /// impacts may still be discarded.
+    /// Record that counts impacts when they end, so that the impacts of a whole window need no memory. `None` if the
+    /// impacts may still be discarded; they are then stored in `log`.
     pub record: Option<&'a mut Record>,
 }
 
@@ -52,7 +53,7 @@ impl StepRecord<'_> {
 pub struct EvaluationTime {
     /// [s] simulated time at the start of the window.
     pub start: f64,
-    /// [s] time of the positions, since the start of the window.
+    /// [s] time from the start of the window to the instant of the positions.
     pub elapsed: f64,
     /// [s] time from the evaluation to the end of the window.
     pub remaining: f64,
@@ -60,18 +61,19 @@ pub struct EvaluationTime {
     pub dt: f64,
     /// [s] time since the last evaluation, during which touching surfaces have slipped.
     pub shear_time: f64,
-    /// [s] time of the velocities, since the start of the window. The velocities do not yet contain gravity over this
-    /// time.
+    /// [s] time from the start of the window to the instant of the velocities. The velocities do not yet contain
+    /// gravity over this time.
     pub fall: f64,
     /// [s] time from the instant to which the stored velocities belong, to the middle of the kick (change of velocities
     /// by forces). Powers are computed for that middle.
     pub to_middle: f64,
-    /// [-] fraction of the time step for which these forces act in the kick (change of velocities) that follows.
+    /// [-] fraction of the time step for which these forces act in the kick (change of velocities) that follows. It is
+    /// 0 if that kick is recorded by `record_half_kick`.
     pub weight: f64,
     /// True if this evaluation of forces also finds the contacts that begin or end. False in the second of the two
     /// evaluations of Heun's method, at the end of a step, since its positions are only predicted.
     pub opens: bool,
-    /// True if the bound on the motion of particles that the neighbour list stores holds for the present positions, as
+    /// True if the neighbour list's bound on the distance that particles have moved holds for the present positions, as
     /// in Verlet's method. False for Heun's method.
     pub travel_is_exact: bool,
     /// True if the second half of the kick (change of velocities) by these forces is applied at the start of the next
@@ -100,9 +102,10 @@ pub struct ContactSearch<'a> {
     /// Instants of the positions and of the velocities from which forces are computed, and the time step for which
     /// these forces act.
     pub at: EvaluationTime,
-    /// For each particle, by index, true if this process owns it; `None` if this process owns all particles.
+    /// True for each particle, by index, that this process owns, if several processes share a run; `None` if this
+    /// process owns all particles.
     pub mine: Option<&'a [bool]>,
-    /// Properties common to all particles; `None` if particles differ.
+    /// Mass, species and contact constants that all particles share; `None` if particles differ.
     pub alike: Option<&'a Alike>,
 }
 
@@ -147,7 +150,7 @@ pub struct Contacts {
     rates: Rates,
     /// [W] parts of the friction power of the last kick (change of velocities by forces), by cause.
     losses: FrictionLosses,
-    /// Sums of powers and forces over all steps since they were last recorded.
+    /// Sums of powers and forces over all steps since the sums were last recorded.
     total: ContactSums,
     /// Working memory of an evaluation, used if there is a single block.
     scratch: BlockScratch,
@@ -242,7 +245,7 @@ impl Contacts {
     }
 
     /// Removes and returns the contacts in progress. The sums for the second half of the last kick (change of
-    /// velocities by forces) stay, because the contacts may be put back unchanged.
+    /// velocities by forces) are kept, because the caller may put the contacts back unchanged.
     pub fn take(&mut self, list: &NeighbourList) -> Vec<Contact> {
         self.gather(list);
         std::mem::take(&mut self.lasting)
@@ -260,8 +263,8 @@ impl Contacts {
         self.blocks.iter_mut().for_each(ContactBlock::look_anew);
     }
 
-    /// Discards the sums for the second half of the last kick (change of velocities by forces). They are not needed if
-    /// islands have moved the particles since, or if another process records them.
+    /// Discards the sums for the second half of the last kick (change of velocities by forces). The sums are not needed
+    /// if particles have been moved in islands (groups) since then, or if another process records the sums.
     pub fn forget(&mut self) {
         self.elastic_energy = 0.0;
         (self.rates, self.losses) = (Rates::default(), FrictionLosses::default());
@@ -432,7 +435,8 @@ impl Contacts {
     }
 
     /// Adds powers and forces of the last evaluation to the sums, after all processes have agreed that these forces
-    /// act. If half of their kick (change of velocities) is applied in the next window, stores the sums for that half.
+    /// act. If the next window applies the second half of this kick (change of velocities), stores the sums for that
+    /// half.
     pub fn count(&mut self, at: EvaluationTime, ghosts: &dyn GhostExchange) {
         for ContactBlock { sums, .. } in &self.blocks {
             self.total.add(&sums.rows, at.weight);

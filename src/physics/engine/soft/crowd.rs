@@ -33,10 +33,10 @@ impl Steps {
     }
 }
 
-/// Moves a crowd (a large island) by uniform steps for `end` [s] from the beginning of the window. The result is valid,
-/// and the function returns `None`, if no member exceeds its speed limit and no other particle is hit. Otherwise it
-/// returns the local index of one such particle, and stores the indices of the other such particles in
-/// [`Island::also`]. The index 0 then stands for all members that are too fast.
+/// Moves a crowd (a large island) by uniform steps for `end` [s] from the beginning of the window. Returns `None` if
+/// the result is valid: no member exceeds its speed limit and no other particle is hit. Otherwise the island must be
+/// solved again. The function then returns the local index of one particle that is too fast or was hit, and stores the
+/// other such indices in [`Island::also`]. The index 0 then stands for all members that are too fast.
 ///
 /// # Errors
 /// Returns the failure of the uniform steps.
@@ -90,7 +90,8 @@ pub fn solve(
     Ok(island.also.pop())
 }
 
-/// Adds the work of the uniform steps to the counters of the island, in units of the work of local time steps.
+/// Adds the work of the uniform steps to the counters of the island, in which a particle or gap of a local time step
+/// counts 1.
 fn count(island: &mut Island<Contact>, solver: &SoftSolver) {
     let counters = solver.counters(&Default::default());
     island.crowd_steps += counters.steps;

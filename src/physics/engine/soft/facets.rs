@@ -17,9 +17,9 @@ use crate::scene::Scene;
 use crate::walls::WallApproach;
 use nalgebra::{Rotation3, Vector3};
 
-/// [rad] rotation vector (axis times angle) that turns the normal of a randomly inclined facet to the normal of the
-/// smooth wall. `met` is the encounter at first touch, and `id` the id of the particle. `None` if the other body of
-/// `couple` is not a rough wall, or if the facet is not inclined.
+/// [rad] rotation vector (axis times angle) that turns the normal of a randomly inclined facet of a rough wall to the
+/// normal of the smooth wall. `met` is the encounter at first touch, and `id` the id of the particle. `None` if the
+/// other body of `couple` is not a rough wall, or if the facet is not inclined.
 pub(super) fn facet_turn(
     couple: &Couple,
     met: &Encounter,
@@ -88,8 +88,8 @@ impl SoftSolver {
         }
     }
 
-    /// Adds to the sums the impulse [kg m/s] that a rough wall gives to a particle, `before` [s] before the time `at`.
-    /// Raises the limits of speeds to the new speed of the particle.
+    /// Adds to the sums the impulse [kg m/s] that a rough wall gives to a particle, at the time `before` [s] earlier
+    /// than `at`. Raises the limits of speeds to the new speed of the particle.
     fn count_turn(
         &mut self,
         (couple, impulse): (&Couple, &Vector3<f64>),

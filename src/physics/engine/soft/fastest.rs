@@ -14,8 +14,8 @@ pub(in crate::engine) struct Fastest {
     pub(in crate::engine) all: f64,
     /// [m/s] largest speed of any point of a wall whose shape moves.
     pub(super) of_walls: f64,
-    /// [m/s] largest speed that a particle had after a contact force was applied, relative to the moving frame in
-    /// which the neighbour list measures motion.
+    /// [m/s] largest speed that any particle had just after contact forces were applied to it. It is relative to the
+    /// moving frame in which the neighbour list measures motion.
     pub(super) pushed: f64,
 }
 

@@ -23,7 +23,7 @@ pub struct ForceIncrement {
 /// Torques of one contact on its two bodies.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct ContactTorque {
-    /// [N] torque of the tangential force on either particle, divided by the radius of that particle.
+    /// [N] torque of the tangential force on each of the two particles, divided by the radius of that particle.
     pub over_radius: Vector3<f64>,
     /// [N m] torque of rolling and twisting resistance on particle i; the other particle gets the opposite torque.
     /// `None` without such resistance.
@@ -58,13 +58,13 @@ impl StoreIndex {
 pub struct ForceBuffer {
     /// Forces; if a particle occurs more than once, its forces are applied in this order.
     pub list: Vec<ForceIncrement>,
-    /// [N] torque of each force on either of its particles, divided by the radius of that particle; empty if spheres do
-    /// not rotate.
+    /// [N] for each force, its torque on each of the two particles, divided by the radius of that particle; empty if
+    /// spheres do not rotate.
     torques: Vec<Vector3<f64>>,
     /// [N m] torque of rolling and twisting resistance of each contact on particle i; empty if contacts have no such
     /// resistance.
     couples: Vec<Vector3<f64>>,
-    /// Range that contains the indices of all particles in `list`.
+    /// Range of indices in the particle store that contains the indices of all particles in `list`.
     span: Range<u32>,
 }
 
@@ -124,8 +124,8 @@ impl ForceBuffer {
     }
 
     /// Keeps only the forces on chosen particles: those at whose index `chosen` is true. At least one particle of each
-    /// contact must be chosen. If only particle j is chosen, it becomes particle i of its entry, and the force changes
-    /// its sign.
+    /// contact must be chosen. If only the second particle j is chosen, j becomes the first particle i of the entry,
+    /// and the force changes its sign.
     pub fn leave(&mut self, chosen: &[bool]) {
         let is_chosen = |index: u32| chosen[index as usize];
         for (k, push) in self.list.iter_mut().enumerate() {

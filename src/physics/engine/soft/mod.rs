@@ -47,19 +47,19 @@ pub(in crate::engine) use local::{Allowance, InstantaneousRule, IslandScratch, R
 use serde::{Deserialize, Serialize};
 
 /// [ns] estimated computing time per particle of a uniform step (one time step of all particles), without pair tests
-/// and contact forces. The costs in `backoff` have the same unit.
+/// and contact forces, whose costs are in the file `backoff.rs`.
 const UNIFORM_COST: f64 = 5.0;
 
-/// Engine of soft spheres: spring-dashpot contacts, with time steps of islands or of all particles at once.
+/// Engine of soft spheres: spring-dashpot contacts, with steps of islands (groups that may meet) or of all particles.
 ///
 /// Uniform stepping is velocity Verlet in its kick-drift-kick form, in which two successive half-kicks are one kick.
-/// Within a window, the stored velocities are therefore those in the middle of steps, and the dashpot uses them.
-/// Gravity is added to the velocities at the end of the window, so a step changes only the velocities of particles in
-/// contact. This scheme is stable for ω_0 Δt < 2(sqrt(1+ζ²) - ζ), with the undamped angular frequency ω_0 and damping
-/// ratio ζ of a contact. Heun's method (RK2) serves the comparisons in docs/paper.md.
+/// Within a window (time between two exchanges with the gas), stored velocities are therefore those in the middle of
+/// steps, and the dashpot uses them. Gravity is added at the end of the window, so a step changes only the velocities
+/// of particles in contact. The scheme is stable for ω_0 Δt < 2(sqrt(1+ζ²) - ζ), with the undamped angular frequency
+/// ω_0 and damping ratio ζ of a contact. Heun's method (RK2) serves the comparisons in docs/paper.md.
 pub type Soft = Driver<SoftSolver>;
 
-/// Solver of soft spheres: islands by local stepping, all particles at once by uniform stepping.
+/// Solver of soft spheres: islands (groups that may meet) by local steps, all particles at once by uniform steps.
 pub struct SoftSolver {
     stepping: SoftStepping,
     pub(in crate::engine) islands: SoftIslands,
@@ -92,7 +92,7 @@ pub struct SoftSolver {
     ids: Vec<u32>,
     /// True if `pushes` contains the forces at the present positions (Verlet's method).
     pub(in crate::engine) has_forces: bool,
-    /// True if the particles were last moved by uniform steps, not by islands.
+    /// True if the particles were last moved by uniform steps, not in islands (groups of particles that may meet).
     pub(in crate::engine) ran_last: bool,
     /// Mass, species and contact constants of every particle, if they are the same for all; otherwise `None`.
     pub(in crate::engine) alike: Option<Alike>,
@@ -100,7 +100,7 @@ pub struct SoftSolver {
     pub(in crate::engine) shared: SharedSteps,
 }
 
-/// State of the solver between two windows, as it is stored together with a run.
+/// State of the solver between two windows (times between two exchanges with the gas), stored together with a run.
 #[derive(Serialize, Deserialize)]
 pub struct SoftState {
     patience: Backoff,
@@ -189,7 +189,7 @@ impl SoftSolver {
     }
 
     /// Applies the half-kick (change of velocities over half a step of `dt` [s]) at the start of a window. The forces
-    /// are those at the end of the previous window, or computed here if there are none (such as after islands).
+    /// are those at the end of the previous window. If there are none, as after islands were moved, computes them.
     fn first_half_kick(
         &mut self,
         particles: &mut Particles,

@@ -5,8 +5,8 @@
 use super::contact::{ContactConstants, ContactState, ResistanceMemory};
 use nalgebra::Vector3;
 
-/// Number of different sets of contact constants that are stored once for all contacts with these constants. Each
-/// contact with other constants has a set of its own.
+/// Number of entries, in the list of contact constants, that many contacts may share. Every further entry belongs to a
+/// single contact.
 const SHARED: usize = 16;
 
 /// Number of contacts per chunk of storage. A single list would be copied when it grows, and would fragment the memory.
@@ -23,7 +23,7 @@ pub struct PackedContact {
     began: f64,
     first_overlap: f32,
     maximum_overlap: f32,
-    /// Unit normal at the last evaluation; not a number (NaN) before the first evaluation.
+    /// Unit normal at the last evaluation of the force; not a number (NaN) before the first evaluation.
     normal: Vector3<f32>,
     /// Index of the contact's constants in the list of constants.
     constants: u32,
@@ -37,8 +37,8 @@ impl PackedContact {
         Self { normal_speed, overlap, growth, overlap_time, began, first_overlap, maximum_overlap, normal, constants }
     }
 
-    /// State of the contact so far. The springs in the returned state are empty, because [`PackedContacts`] stores
-    /// them.
+    /// State of the contact at the last evaluation of its force. The springs in the returned state are empty, because
+    /// [`PackedContacts`] stores them.
     #[inline(always)]
     pub fn course(&self) -> ContactState {
         let Self { normal_speed, overlap, growth, overlap_time, began, normal, .. } = *self;
@@ -68,11 +68,11 @@ impl PackedContact {
     }
 }
 
-/// Mutable access to the record and the springs of a contact between rotating bodies.
+/// Mutable access to the stored state and the springs of a contact between rotating bodies.
 pub struct RotatingRecord<'a> {
     /// Constants of the contact.
     pub constants: &'a ContactConstants,
-    /// Record of the contact without its springs.
+    /// Stored state of the contact without its springs.
     pub kept: &'a mut PackedContact,
     /// [m] shear of the tangential spring; `None` if contacts have no such spring.
     pub shear: Option<&'a mut Vector3<f64>>,
@@ -85,7 +85,7 @@ pub struct RotatingRecord<'a> {
 pub struct PackedContacts {
     /// Chunks of contacts; all chunks but the last are full.
     kept: Vec<Vec<PackedContact>>,
-    /// Indices in `kept` at which no contact is stored.
+    /// Indices in `kept` whose contacts have ended; new contacts get these indices first.
     free: Vec<u32>,
     /// Constants of contacts. Many contacts may share one of the first `SHARED` entries. Each further entry is for one
     /// contact.
@@ -101,7 +101,7 @@ pub struct PackedContacts {
     /// `None` for a contact whose first slip is not recorded.
     first_slips: Vec<Vec<Option<Vector3<f32>>>>,
     /// [rad] rotation vectors by which rough walls have turned velocities, for the contacts in `kept` at the same
-    /// indices. Empty if no contact has one; `None` for a contact without one.
+    /// indices. `None` for a contact without a turned velocity. Empty if there is no such turn.
     facets: Vec<Vec<Option<Vector3<f64>>>>,
 }
 

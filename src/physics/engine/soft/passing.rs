@@ -12,7 +12,7 @@ impl SoftSolver {
         scene.walls.iter().any(|wall| wall.geometry.law().is_thin())
     }
 
-    /// True if a step of `dt` [s] is long enough to move the centre of a sphere through a thin wall, without a large
+    /// True if a sphere may move so far in a step of `dt` [s] that its centre passes a thin wall without a large
     /// overlap at the start or end of the step. The step begins `elapsed` [s] after the beginning of the window.
     pub(super) fn may_pass(&self, scene: &Scene, elapsed: f64, dt: f64) -> bool {
         let fall = scene.gravity * (elapsed + 0.5 * dt);

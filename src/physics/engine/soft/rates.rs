@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Sums over contacts: powers [W], forces of walls on particles [N], and the virial of pairs (sum of the products of
-/// distance and force) [N m].
+/// the vector between the centres and the force) [N m].
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Rates {
     pub pair_restitution: f64,
@@ -69,7 +69,7 @@ impl Rates {
     }
 
     /// Adds powers and forces of a contact at one Runge-Kutta stage. `weight` [-] is the weight of the stage in the
-    /// mean over the step, and `moment` [-] its weight in the first moment.
+    /// mean over the step. `moment` [-] is its weight in the first moment of the force about the middle of the step.
     #[inline]
     pub fn count(&mut self, couple: &Couple, force: &ContactForce, [weight, moment]: [f64; 2]) {
         if couple.is_wall() {

@@ -17,9 +17,9 @@ pub struct RollingMotion {
     pub rolling: Vector3<f64>,
     /// [m/s] twisting speed R_eff (ω_i - ω_j)·n, with the spins ω and the unit normal n.
     pub twisting: f64,
-    /// Resistance to rolling; `None` if there is none.
+    /// Resistance to rolling; `None` if the contact does not resist rolling.
     pub against_rolling: Option<Resistance>,
-    /// Resistance to twisting; `None` if there is none.
+    /// Resistance to twisting; `None` if the contact does not resist twisting.
     pub against_twisting: Option<Resistance>,
 }
 
@@ -33,7 +33,8 @@ pub struct ResistingCouple {
     /// [W] power that the resistance takes from the rotation, in the middle of the kick (change of velocities by
     /// forces).
     pub power: f64,
-    /// [W] parts of `power`: rolling resistance, and twisting resistance.
+    /// [W] power that rolling resistance takes from the rotation, and power that twisting resistance takes; their sum
+    /// is `power`.
     pub parts: [f64; 2],
 }
 
@@ -67,8 +68,8 @@ impl RollingMotion {
     }
 
     /// [1/kg] rolling acceleration divided by the tangential force that causes it: R_eff (r_i/I_i - r_j/I_j), without
-    /// r_j/I_j at a wall. R_eff is the effective radius, r a radius and I a moment of inertia. The lever arm is taken
-    /// as the radius. The acceleration of the slip divided by the rolling resistance has the same value.
+    /// r_j/I_j at a wall. R_eff is the effective radius, r a radius and I a moment of inertia. The lever arm of the
+    /// force is taken as the radius. The acceleration of the slip divided by the rolling resistance has the same value.
     pub fn passed_on(&self, couple: &Couple, particles: &Particles) -> f64 {
         let inertia = particles.inertia.as_deref().unwrap_or_default();
         let of = |index: u32| particles.radius[index as usize] / inertia[index as usize];
@@ -130,8 +131,8 @@ impl Resistance {
 
 impl RollingMotion {
     /// Torque and power of the resistance at the end of a uniform step, in which the mean spin has turned the contact
-    /// by `angle` [rad] about the normal. `driven` [m/s²] is the rolling acceleration that the tangential force
-    /// causes. Updates `memory`.
+    /// by `angle` [rad] about the normal. `driven` [m/s²] is the rolling acceleration that the tangential force causes.
+    /// Stores the new state of the springs in `memory`.
     pub fn resist(
         &self,
         memory: &mut ResistanceMemory,

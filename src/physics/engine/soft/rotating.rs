@@ -25,7 +25,8 @@ pub struct SurfaceMotion {
 }
 
 impl SurfaceMotion {
-    /// Motion of the surfaces of two bodies. `reach` [m] is the distance of the centres at touch; at a wall the radius.
+    /// Motion of the surfaces of two bodies. `reach` [m] is the distance of the centres at touch; at a wall, the radius
+    /// of the particle.
     #[inline(always)]
     pub fn of(couple: &Couple, reach: f64, met: &Encounter, (particles, scene): (&Particles, &Scene)) -> Self {
         let (surface, arm) = couple.surface_velocity(particles, reach, met.gap);
@@ -64,8 +65,8 @@ pub struct RotatingForce {
 
 impl ContactConstants {
     /// Force and torques of a contact between rotating bodies, at the end of a step in which the surfaces have slipped
-    /// for `at.shear_time` [s]. The old shear is first turned with the normal, and by the mean spin about the normal.
-    /// Then the slip is added.
+    /// for `at.shear_time` [s]. The shear before the step is first turned with the normal, and by the mean spin about
+    /// the normal. Then the distance slipped is added to the shear.
     #[inline(always)]
     pub fn rotating_force(
         &self,
@@ -185,7 +186,7 @@ struct Resisted {
     couple: Vector3<f64>,
     /// [W] power that the resistance takes from the rotation.
     power: f64,
-    /// [W] parts of `power`: rolling resistance, and twisting resistance.
+    /// [W] power that rolling resistance takes from the rotation, and power that twisting resistance takes.
     parts: [f64; 2],
     /// [m/s²] acceleration of the slip by the resistance.
     slip_change: Vector3<f64>,

@@ -8,8 +8,8 @@ use crate::scene::Scene;
 use nalgebra::Vector3;
 
 /// [-] cosine of 45 degrees, the largest angle by which the normal of one contact may turn in a step. The value was
-/// chosen for this program. The normals of two walls at a corner differ by more. A time step that resolves a contact
-/// turns its normal by less.
+/// chosen for this program. The normals of two walls at a corner differ by more than this angle. In a time step that is
+/// short compared with the contact, the normal turns by less.
 const SAME: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// True if the couple is a contact with a wall that numbers several contacts by distance.

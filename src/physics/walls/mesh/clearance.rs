@@ -21,7 +21,7 @@ pub struct Clearance {
     /// True for each cell in which particles may be everywhere. False for each cell that a triangle may overlap, and
     /// for cells on the other side of the surface.
     is_free: Vec<bool>,
-    /// True if particles may be outside the box around the mesh.
+    /// True if particles may be in the space outside the box around the mesh.
     is_free_beyond: bool,
 }
 

@@ -39,8 +39,8 @@ const APART: f64 = 0.939_692_620_785_908_4;
 const HALF_APART: f64 = 0.984_807_753_012_208;
 /// Largest number of contacts of one sphere with a mesh: three contacts hold a sphere at rest.
 const MOST: u32 = 3;
-/// [-] distance from the centre within which contacts are searched, over the radius of the sphere. The number exceeds
-/// 1, because the times at which a contact begins or ends require exact values of small positive gaps.
+/// [-] distance from the centre of a sphere within which contacts are searched, over the radius of the sphere. The
+/// number exceeds 1, because the times at which a contact begins or ends require exact values of small positive gaps.
 const REACH: f64 = 1.25;
 /// [-] ratio of two lengths that counts as rounding: smaller lengths are treated as zero.
 const ROUNDING: f64 = 1e-9;
@@ -54,23 +54,23 @@ pub struct Mesh {
     surface: TriangleSurface,
     tree: Tree,
     clearance: Clearance,
-    /// Number of triangles of the surface itself, which come first in the list; the copies beyond periodic sides
-    /// follow.
+    /// Number of triangles of the surface itself. They come first in the list, and the copies of triangles beyond
+    /// periodic sides follow.
     own: usize,
     /// True for each axis along which the surface continues without end through periodic sides.
     spans: [bool; 3],
-    /// [m] lowest and highest corner of the box around the triangles of the surface itself.
+    /// [m] lowest and highest corner of the box around the triangles of the surface itself, without copies.
     bounds: [Vector3<f64>; 2],
 }
 
 /// Point of one triangle that is nearest to a given point.
 #[derive(Clone, Copy)]
 struct TrianglePoint {
-    /// [m] distance from the given point to this point, never negative.
+    /// [m] distance between the given point and the point of the triangle, never negative.
     distance: f64,
-    /// [-] unit vector from the surface to the given point.
+    /// [-] unit vector from the point of the triangle to the given point.
     direction: Vector3<f64>,
-    /// True if the given point is behind the triangle of a closed surface.
+    /// True if the surface is closed and the given point is behind the triangle, on the side without particles.
     behind: bool,
     face: u32,
     feature: TriangleFeature,
@@ -112,8 +112,8 @@ impl Mesh {
     }
 
     /// Makes a sheet that continues through periodic sides, together with the copies of its triangles beyond these
-    /// sides. For a surface that does not continue, the result is that of [`new`](Self::new). The findings are those
-    /// of the surface itself.
+    /// sides. For a surface that does not continue, the result is that of [`new`](Self::new). The second result
+    /// contains the defects of the surface itself, without its copies.
     ///
     /// # Errors
     /// If the triangles do not form a wall of this type.
@@ -138,7 +138,7 @@ impl Mesh {
         self.spans
     }
 
-    /// Side of the surface on which particles are.
+    /// Side of the surface on which the particles are: outside, inside or both.
     pub fn sides(&self) -> Sides {
         self.sides
     }
@@ -242,16 +242,17 @@ impl Mesh {
     }
 
     /// True if all triangles within `reach` [m] of `point` [m] have nearly equal normals, so that a sphere has at most
-    /// one contact there. For a sheet with particles on both sides the result is always false. The nearest point may
-    /// also lie on an edge or corner of a closed surface. The direction from there to `point` is then between the
-    /// normals of the adjacent triangles, and the test includes these triangles.
+    /// one contact there. For a sheet with particles on both sides the result is always false. The point of a closed
+    /// surface nearest to `point` may also lie on an edge or corner. The direction from there to `point` is then
+    /// between the normals of the adjacent triangles, and the test includes these triangles.
     fn is_smooth(&self, point: &Vector3<f64>, reach: f64) -> bool {
         let mut normals = self.tree.within(point, reach).map(|face| &self.surface.faces[face as usize].normal);
         let first = normals.next();
         self.sides != Sides::Both && first.is_none_or(|first| normals.all(|normal| normal.dot(first) > HALF_APART))
     }
 
-    /// All contacts of a sphere with the centre `point` [m] within `reach` [m], the nearest first.
+    /// All contacts of a sphere with the mesh, the nearest first. The centre of the sphere is at `point` [m], and
+    /// contacts farther than `reach` [m] from it are left out.
     fn all(&self, point: &Vector3<f64>, reach: f64) -> Vec<TrianglePoint> {
         let spots = self.tree.within(point, reach).map(|face| self.spot(face, point));
         let mut spots: Vec<TrianglePoint> =
@@ -286,8 +287,8 @@ impl Geometry for Mesh {
         self.contacts
     }
 
-    /// [-] largest jump |n - n'| that the normal of a contact can make from one triangle to the next, for any mesh. Two
-    /// triangles with normals n and n' that differ more form two contacts: |n - n'|² = 2 - 2 n·n'.
+    /// [-] largest jump |n - n'| of the normal of a contact from one triangle to the next, for any mesh. If the normals
+    /// n and n' differ more, the triangles form two contacts: |n - n'|² = 2 - 2 n·n'.
     fn seam(&self) -> f64 {
         (2.0 - 2.0 * APART).sqrt()
     }
@@ -308,8 +309,8 @@ impl Geometry for Mesh {
         found.map_or(Nearest { distance: reach, normal: Vector3::zeros() }, |spot| spot.nearest())
     }
 
-    /// Returns the first touch with any part of the surface for contact 0, and `None` for other contacts. So each touch
-    /// is found once.
+    /// Returns the first touch with any part of the surface if `which` is 0, and `None` for the other contact numbers.
+    /// So each touch is found once.
     fn first_touch(&self, which: u32, flight: &Flight, radius: f64, until: f64) -> Option<Touch> {
         if which == 0 { self.sweep(flight, radius, until) } else { None }
     }

@@ -15,11 +15,11 @@ const SAMPLES: usize = 8;
 /// a ray passes through an edge, the next direction is used.
 const WAYS: [[f64; 3]; 4] =
     [[0.731, 0.419, 0.538], [-0.283, 0.874, 0.395], [0.467, -0.612, 0.638], [-0.571, -0.327, 0.753]];
-/// [-] distance over the size of the surface. A point that is nearer to an edge or a triangle counts as lying on that
-/// edge or triangle.
+/// [-] distance divided by the size of the surface. A point that is nearer to an edge or a triangle than this counts as
+/// lying on that edge or triangle.
 const ON: f64 = 1e-9;
 
-/// Numbers of the closed parts (connected groups of triangles) of a surface that lie inside other parts, by type.
+/// Counts of the closed parts (connected groups of triangles) of a surface that lie inside other parts, by type.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Nested {
     /// Number of cavities. A closed part (connected group of triangles) inside an odd number of other parts is the
@@ -40,8 +40,8 @@ pub struct Nested {
 
 /// Flips the triangles of a closed surface so that they face the particles: outwards, and into cavities. If particles
 /// are inside a vessel with a thick wall, the outer surface of the wall is removed. Without a thick wall the outermost
-/// part (connected group of triangles) is the vessel, and the parts inside the vessel are solid bodies. The numbers of
-/// these parts and changes are added to `findings`.
+/// part (connected group of triangles) is the vessel, and the parts inside the vessel are solid bodies. Cavities,
+/// bodies, and parts that are flipped or removed are counted in `findings`.
 pub fn face_particles(
     points: &[Vector3<f64>],
     triangles: &mut Numbered,
@@ -84,7 +84,7 @@ pub fn face_particles(
     triangles.retain(|_| stays.next().unwrap_or(true));
 }
 
-/// Connected parts of a surface of `count` triangles, each as a list of triangle indices.
+/// Parts (connected groups of triangles) of a surface of `count` triangles, each as a list of triangle indices.
 fn parts(count: usize, edges: &Edges) -> Vec<Vec<usize>> {
     let mut beside: Vec<Vec<u32>> = vec![Vec::new(); count];
     for there in edges.values() {
@@ -123,8 +123,8 @@ fn volume(points: &[Vector3<f64>], triangles: &Numbered, part: &[usize]) -> f64 
     each.sum()
 }
 
-/// For each closed part, the indices of the other parts that contain this part, in ascending order. The number of
-/// parts that cross others is added to `nested`.
+/// For each closed part (connected group of triangles), the indices of the other parts that contain this part, in
+/// ascending order. The number of parts that cross others is added to `nested`.
 fn parts_around(
     points: &[Vector3<f64>],
     triangles: &Numbered,
@@ -163,15 +163,15 @@ fn parts_around(
 /// All triangles of a surface, in a tree that finds the triangles along a ray.
 struct Crossings {
     tree: Tree,
-    /// Index of the part to which each triangle belongs.
+    /// Index of the part (connected group of triangles) to which each triangle belongs.
     of: Vec<usize>,
     /// [m] diagonal of the box around the whole surface.
     size: f64,
 }
 
 impl Crossings {
-    /// Indices of the parts that contain a point [m], without the part with the index `own`. `None` if the rays in all
-    /// directions of [`WAYS`] pass through edges.
+    /// Indices of the parts (connected groups of triangles) that contain a point [m], without the part with the index
+    /// `own`. `None` if the rays in all directions of [`WAYS`] pass through edges.
     fn around(
         &self,
         point: &Vector3<f64>,

@@ -2,8 +2,8 @@
 
 use super::surface::{Edges, Findings, count};
 
-/// Flips triangles until all neighbours face the same way. Stores in `findings` the number of flipped triangles with
-/// the number of the first, and the number of edges whose triangles cannot face the same way.
+/// Flips triangles until all neighbours face the same way. Stores in `findings` how many triangles were flipped, the
+/// number of the first of them in the file, and the number of edges whose triangles cannot face the same way.
 pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, findings: &mut Findings) {
     // neighbours of each triangle, each with a flag that is true if one of the two triangles must be flipped: both
     // list the two corners of their common edge in the same order
@@ -51,8 +51,8 @@ pub(super) fn face_alike(triangles: &mut [([u32; 3], usize)], edges: &Edges, fin
     }
 }
 
-/// Inverts the marks in `turn` of all triangles of `part`, if more than half of these triangles are marked to be
-/// flipped. The majority of the triangles then keeps its orientation.
+/// Inverts the marks in `turn` (true: the triangle must be flipped) of the connected triangles `part`, if more than
+/// half of these triangles have the mark true. The majority of the triangles then keeps its orientation.
 fn keep_most(turn: &mut [Option<bool>], part: &[usize]) {
     let turned = part.iter().filter(|k| turn[**k] == Some(true)).count();
     if 2 * turned > part.len() {

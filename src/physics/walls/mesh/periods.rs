@@ -21,7 +21,7 @@ const SAME: f64 = 1e-6;
 pub struct Mismatch {
     /// Axis perpendicular to the sides: 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// [m] largest distance between a corner on one side and the edges on the other side, after a shift by one period.
+    /// [m] largest distance of a corner on one side from the edges on the other side, after a shift by one period.
     pub step: f64,
 }
 
@@ -32,7 +32,7 @@ pub struct Continued {
     pub heap: TriangleList,
     /// True for each axis along which the surface continues without end.
     pub spans: [bool; 3],
-    /// Number of open edges of the surface itself that are closed by copies of triangles.
+    /// Number of open edges of the surface itself at which a copy of a triangle continues the surface.
     pub joined: usize,
 }
 
@@ -67,7 +67,7 @@ struct OpenEnds {
     edges: [Vec<Edge>; 2],
 }
 
-/// Coordinates of a point [m] as bits, which serve as a key of a table: equal points have equal keys.
+/// Coordinates of a point [m] as bits, which serve as a key of a hash table: equal points have equal keys.
 fn bits(point: &Vector3<f64>) -> [u64; 3] {
     // adding 0 turns -0 into 0, which is the same coordinate
     [point.x, point.y, point.z].map(|value| (value + 0.0).to_bits())

@@ -12,10 +12,10 @@ use std::ops::Range;
 /// rounding in the computation would determine its normal. Corners from a file in single precision have a larger
 /// relative rounding of 6e-8, which this limit does not cover.
 const THINNEST: f64 = 1e-9;
-/// [-] largest depth at which the common edge of two triangles counts as flat: depth of the corner that only the
-/// second triangle has below the plane of the first, over the longest edge of both. At larger depths a sphere can
-/// touch the common edge without touching a face, so the edge is tested for touch. Flatter edges need no test, because
-/// triangles are enlarged by [`COVER`](super::sweep::COVER).
+/// [-] largest depth at which the common edge of two triangles counts as flat, over the longest edge of both. It is the
+/// depth, below the plane of the first triangle, of the corner that only the second triangle has. At larger depths a
+/// sphere can touch the common edge without touching a face, so the edge is tested for touch. Flatter edges need no
+/// test, because triangles are enlarged by [`COVER`](super::sweep::COVER).
 const SHARP: f64 = 1e-12;
 
 /// Side of the surface on which the particles are.
@@ -69,11 +69,11 @@ pub enum Fault {
     /// A coordinate of a corner is not a finite number.
     #[error("{count} of its {given} triangles have corners that are not finite numbers, the first is triangle {first}")]
     NotFinite {
-        /// Number of triangles that have a corner with such a coordinate.
+        /// Number of triangles with a coordinate that is not a finite number.
         count: usize,
         /// Number of triangles in the list.
         given: usize,
-        /// Number of the first triangle with such a corner, counted from 1.
+        /// Number of the first triangle with a coordinate that is not a finite number, counted from 1.
         first: usize,
     },
     /// All triangles are degenerate, so there is no surface.
@@ -90,7 +90,7 @@ pub enum Fault {
     NotClosed(Findings),
 }
 
-/// One triangle of a surface, with data on its neighbours.
+/// One triangle of a surface, with data on the neighbouring triangles.
 #[derive(Clone, Debug)]
 pub struct Face {
     /// Indices of the corners, counter-clockwise seen from the particles.
@@ -112,7 +112,7 @@ pub struct Face {
     pub longest: f64,
 }
 
-/// A surface of triangles with data on their neighbours.
+/// A surface of triangles, each with data on its neighbours.
 #[derive(Clone, Debug)]
 pub struct TriangleSurface {
     /// [m] corner points of the triangles.
@@ -128,7 +128,8 @@ pub struct TriangleSurface {
     /// Ranges of indices in `beside`: the neighbouring points of point p are `beside[from_point[p] .. from_point[p +
     /// 1]]`.
     pub from_point: Vec<u32>,
-    /// Neighbouring points of all points, grouped by point as described at [`from_point`](Self::from_point).
+    /// Neighbouring points of all points, one group after another: those of point p are at the range that
+    /// [`from_point`](Self::from_point) gives.
     pub beside: Vec<u32>,
 }
 
@@ -237,14 +238,14 @@ fn refuse_not_finite(heap: &[[Vector3<f64>; 3]]) -> Result<(), Fault> {
     }
 }
 
-/// Adds one to the count of a defect (first number of `found`). For the first defect, also stores the number of its
-/// triangle.
+/// Adds one to the count of a defect, the first number of `found`. If it is the first such defect, stores the number
+/// `number` of its triangle as the second number.
 pub(super) fn count(found: &mut (usize, usize), number: usize) {
     *found = (found.0 + 1, if found.0 == 0 { number } else { found.1 });
 }
 
-/// Merges corners of triangles that have the same coordinates. Returns the points, and the triangles as point indices
-/// with their numbers. Degenerate and duplicate triangles are left out and counted.
+/// Merges corners of triangles that have the same coordinates. Returns the points, and the triangles: three point
+/// indices, and the number of the triangle in the file. Degenerate and duplicate triangles are left out and counted.
 fn weld(heap: &[[Vector3<f64>; 3]], findings: &mut Findings) -> (Vec<Vector3<f64>>, Numbered) {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
@@ -291,7 +292,7 @@ fn edges(triangles: &[([u32; 3], usize)]) -> Edges {
     edges
 }
 
-/// Makes the data of one triangle; the data on its neighbours are left empty.
+/// Makes the data of one triangle. The data on its neighbours stay empty for now.
 fn plain(points: &[Vector3<f64>], corners: [u32; 3]) -> Face {
     let at = corners.map(|corner| points[corner as usize]);
     let normal = (at[1] - at[0]).cross(&(at[2] - at[0])).normalize();

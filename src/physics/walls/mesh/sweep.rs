@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 
 /// [-] width by which a triangle is enlarged at each edge, over the longest edge of the triangle.
 pub(super) const COVER: f64 = 1e-10;
-/// [-] overlap over the radius of the sphere. A smaller overlap counts as the rounding of a touch.
+/// [-] overlap over the radius of the sphere. A smaller overlap is taken as a rounding error at a touch.
 const TOUCHING: f64 = 1e-9;
 
 /// Number of a surface feature: it encodes the index of a triangle, and its face, one of its edges or one of its

@@ -7,7 +7,8 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{Triangle, TrianglePointLocation};
 
-/// [-] relative rounding error of a squared distance, by which a box may appear to be farther away than its triangle.
+/// [-] rounding error of a squared distance, divided by this square. Because of this error, a box may appear to be
+/// farther away than the triangle in it.
 const ROUNDING: f64 = 1e-12;
 
 /// Part of a triangle on which a point lies: face, edge or corner.
@@ -83,9 +84,9 @@ impl Tree {
     }
 
     /// Finds the triangle nearest to a point [m], and its distance [m]; `None` if no distance is below `reach` [m].
-    /// `distance` returns the distance [m] of a triangle from the point; it may return the distance that limits the
+    /// `distance` returns the distance [m] of a triangle from the point. It may return the distance that limits the
     /// search instead, if the triangle is not nearer. `distance` is not called for triangles whose box is farther away
-    /// than the smallest value so far.
+    /// than the smallest distance found so far.
     pub fn closest(&self, point: &Vector3<f64>, reach: f64, distance: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
         let point = to_parry(point);
         self.0.find_best(

@@ -9,9 +9,9 @@
 use super::MovingShape;
 use crate::walls::{Flight, Touch};
 
-/// [-] gap over the radius below which a sphere counts as touching. A touch may be found while a gap of this size is
-/// left, and a touch with a smaller overlap may be missed. The rounding of coordinates is of this order if the box is
-/// 10⁴ radii long.
+/// [-] gap over the radius of a sphere, below which the sphere counts as touching. A touch may be found while a gap of
+/// this size is left, and a touch with a smaller overlap may be missed. The rounding of coordinates is of this order if
+/// the box is 10⁴ radii long.
 const CLOSE: f64 = 1e-12;
 
 /// [-] gap that counts as zero, in units of the rounding error of the largest coordinate.
@@ -95,10 +95,12 @@ pub(super) fn first_touch(
     None
 }
 
-/// First touch of an enlarged sphere. The enlargement is the largest deviation of the flight from its parabola.
+/// First touch of an enlarged sphere on an arc (short piece of a flight). The sphere is enlarged by the largest
+/// deviation of the flight from a parabola.
 struct EnlargedTouch {
     /// Number of the piece of the surface that is touched, such as a triangle; 0 if the surface has no pieces.
     feature: u32,
-    /// [m] lower limit of the gap between the sphere itself and the shape: the enlargement less the deviation so far.
+    /// [m] lower limit of the gap between the sphere itself and the shape: the enlargement of the sphere minus the
+    /// deviation of the flight from the parabola at the touch.
     gap: f64,
 }

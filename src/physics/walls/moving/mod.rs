@@ -23,14 +23,14 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use vibrating_plane::VibratingGap;
 
-/// A shape with the law of its motion, and the instant for which the geometry of the wall is valid.
+/// A shape with the law of its motion, and the instant for which the place of the shape is computed.
 #[derive(Clone, Debug, Serialize)]
 pub struct MovingShape {
     /// Shape of the wall where the case (input file) puts it, without displacement.
     pub(super) shape: Arc<WallGeometry>,
     /// Law of the motion of the shape, as a function of the simulated time.
     motion: PrescribedMotion,
-    /// [s] simulated time for which the geometry of the wall is valid.
+    /// [s] simulated time for which the place of the shape is computed.
     #[serde(skip)]
     time: f64,
     /// [m] upper limit of the distance of a point of the shape from the axis of a rotation; 0 for other motions.
@@ -58,7 +58,7 @@ impl MovingShape {
         &self.motion
     }
 
-    /// [s] simulated time for which the geometry of the wall is valid.
+    /// [s] simulated time for which the place of the shape is computed.
     pub fn time(&self) -> f64 {
         self.time
     }
@@ -85,13 +85,13 @@ impl MovingShape {
         way.min(self.motion.largest_excursion(self.arm))
     }
 
-    /// False if a sphere of `radius` [m] certainly does not touch the shape in a flight of `duration` [s] from the
-    /// stored instant `time` on.
+    /// False if a sphere of `radius` [m] certainly does not touch the shape in a flight of `duration` [s] that begins
+    /// at the stored instant `time`.
     ///
     /// Seen from the shape, the distance of the sphere from its position in the middle of the flight is |v| h + |a|
     /// h²/2 + J h³/6 at most. Here h is half the duration; v and a are velocity and acceleration in the middle, and J
-    /// bounds the third derivative of the position. On a path, whose velocity jumps, the largest speed of the shape is
-    /// added to the speed of the sphere.
+    /// bounds the third derivative of the position. On a path, whose velocity jumps, |v| is replaced by the speed of
+    /// the sphere plus the largest speed of the shape.
     pub fn may_reach(&self, flight: &Flight, radius: f64, duration: f64) -> bool {
         let half = 0.5 * duration;
         let middle = flight.from(half);
@@ -118,8 +118,8 @@ impl MovingShape {
         }
     }
 
-    /// Nearest point to `point` [m] at the time `ahead` [s] after the stored instant `time`. `find` returns the nearest
-    /// point for the shape without displacement.
+    /// Point of the shape nearest to `point` [m], at the time `ahead` [s] after the stored instant `time`. `find`
+    /// returns the nearest point for the shape without displacement.
     fn seen(
         &self,
         point: &Vector3<f64>,
@@ -329,7 +329,7 @@ impl Wall {
         Self { geometry: moving.geometry(), moving: Some(moving), ..self.clone() }
     }
 
-    /// Servo motion of the wall; `None` for other walls.
+    /// Servo motion of the wall, by which particles press on it with a given pressure; `None` for other walls.
     pub fn servo(&self) -> Option<&ServoMotion> {
         match self.moving.as_ref()?.motion() {
             PrescribedMotion::Servo(servo) => Some(servo),
@@ -337,7 +337,7 @@ impl Wall {
         }
     }
 
-    /// Servo motion of the wall, to change its state; `None` for other walls.
+    /// Mutable access to the servo motion of the wall; `None` for other walls.
     pub fn servo_mut(&mut self) -> Option<&mut ServoMotion> {
         match &mut self.moving.as_mut()?.motion {
             PrescribedMotion::Servo(servo) => Some(servo),
@@ -357,7 +357,7 @@ impl Wall {
     }
 
     /// Nearest point of the wall in contact number `which` of a sphere with the centre `point` [m] and the radius
-    /// `radius` [m], at the time `ahead` [s] after the instant of the wall's scene.
+    /// `radius` [m]. The wall is at its place `ahead` [s] after the instant of its scene.
     #[inline(always)]
     pub fn contact(&self, which: u32, point: &Vector3<f64>, radius: f64, ahead: f64) -> Nearest {
         match &self.moving {
@@ -366,8 +366,8 @@ impl Wall {
         }
     }
 
-    /// Nearest point at the instant of a touch, as [`Geometry::struck`] defines it, at the time `ahead` [s] after the
-    /// instant of the wall's scene. `touch` contains the number of the contact and that of the surface feature.
+    /// Nearest point at the instant of a touch, as [`Geometry::struck`] defines it. The wall is at its place `ahead`
+    /// [s] after the instant of its scene. `touch` contains the number of the contact and that of the surface feature.
     #[inline(always)]
     pub fn struck(&self, touch: [u32; 2], point: &Vector3<f64>, radius: f64, ahead: f64) -> Nearest {
         let [which, feature] = touch;
@@ -377,8 +377,8 @@ impl Wall {
         }
     }
 
-    /// First touch as [`Geometry::first_touch`] defines it, for a flight that begins `ahead` [s] after the instant of
-    /// the wall's scene. The flight lasts for `until` [s]; `None` without a touch in this time.
+    /// First touch as [`Geometry::first_touch`] defines it. The flight begins `ahead` [s] after the instant of the
+    /// wall's scene, and lasts for `until` [s]. `None` without a touch in this time.
     #[inline(always)]
     pub fn first_touch(&self, which: u32, flight: &Flight, radius: f64, (ahead, until): (f64, f64)) -> Option<Touch> {
         match &self.moving {
@@ -387,8 +387,8 @@ impl Wall {
         }
     }
 
-    /// True if the centre of a sphere crosses a thin surface on the straight line from `from` to `to` [m]. The two
-    /// times `ahead` [s] of these positions count from the instant of the wall's scene.
+    /// True if the centre of a sphere crosses a thin surface on the straight line from `from` to `to` [m]. It is at
+    /// these positions at the times `ahead` [s] after the instant of the wall's scene.
     pub fn is_passed(&self, [from, to]: [&Vector3<f64>; 2], radius: f64, ahead: [f64; 2]) -> bool {
         match &self.moving {
             None => self.geometry.is_passed(from, to, radius),

@@ -174,8 +174,8 @@ impl PrescribedMotion {
         }
     }
 
-    /// [rad] phase 2π f t + φ of a vibration at `time` [s]; 0 for other motions. Whole periods are taken off before the
-    /// multiplication by 2π.
+    /// [rad] phase 2π f t + φ of a vibration at the time t = `time` [s]; 0 for other motions. Whole periods are taken
+    /// off f t before the multiplication by 2π.
     pub(super) fn angle(&self, time: f64) -> f64 {
         match self {
             Self::Vibration { frequency, phase, .. } => TAU * (frequency * time).fract() + phase,

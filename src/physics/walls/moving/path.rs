@@ -20,7 +20,7 @@ impl PiecewisePath {
         (!knots.is_empty() && finite && ascends).then_some(Self { knots })
     }
 
-    /// Number of knots (given instants of the path) up to and including `time` [s].
+    /// Number of knots (given instants of the path) that are not later than `time` [s].
     fn passed(&self, time: f64) -> usize {
         self.knots.partition_point(|(knot, _)| *knot <= time)
     }

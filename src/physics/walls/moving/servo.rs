@@ -17,7 +17,7 @@ pub struct ServoMotion {
     pub area: f64,
     /// [m/s] largest speed of the plane.
     pub largest_speed: f64,
-    /// [Pa s/m] damping c; `None` for the acoustic impedance of the particles
+    /// [Pa s/m] damping c. With `None`, c is the acoustic impedance of the particles
     /// ([`impedance`](crate::schedule::impedance)).
     pub damping: Option<f64>,
     /// State of the plane at the most recent measurement.
@@ -45,9 +45,9 @@ impl ServoMotion {
         self.state.displacement + self.state.speed * (time - self.state.time)
     }
 
-    /// Sets the speed of the plane, at most `largest_speed`, from the force [N] with which the particles press on it
-    /// at `time` [s]. Stores this measurement in `state`. `damping` [Pa s/m] is used if the motion has no damping of
-    /// its own.
+    /// Sets the speed of the plane, at most `largest_speed`, from the force [N] with which the particles press on it at
+    /// `time` [s]. Stores this measurement in `state`. The argument `damping` [Pa s/m] is used if the field `damping`
+    /// is `None`.
     pub fn steer(&mut self, force: f64, time: f64, damping: f64) {
         let pressure = force / self.area;
         let speed = (self.pressure - pressure) / self.damping.unwrap_or(damping);

@@ -80,8 +80,8 @@ impl VibratingGap {
         self.gap + self.amplitude * self.phase.sin() + (self.speed + 0.5 * self.acceleration * t) * t
     }
 
-    /// [s] time before which the sphere stays above the highest position of the plane; `None` if the sphere always
-    /// stays there.
+    /// [s] time before which the sphere is certainly above the highest position of the plane; `None` if it is there at
+    /// all times.
     fn out_of_reach_until(&self) -> Option<f64> {
         let beyond = self.height(0.0) - self.amplitude.abs();
         if beyond <= 0.0 {

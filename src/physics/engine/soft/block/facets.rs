@@ -26,8 +26,8 @@ impl FacetTurns {
         self.begun.push((slot, turn));
     }
 
-    /// True if the velocity of the particle has been turned for a contact that begins at this slot (candidate of the
-    /// neighbour list).
+    /// True if a rough wall has turned the velocity of the particle for a contact that begins at this slot (candidate
+    /// of the neighbour list).
     pub fn begins(&self, slot: u32) -> bool {
         self.begun.iter().any(|(begun, _)| *begun == slot)
     }
@@ -39,7 +39,8 @@ impl FacetTurns {
         Some(self.begun.remove(k).1)
     }
 
-    /// Adds the rotation vector [rad] of a contact that has ended; nothing is added for a contact without one.
+    /// Adds the rotation vector `turn` [rad] of a contact that has ended. Does nothing if `turn` is `None`, as for a
+    /// contact with a smooth wall.
     pub fn end(&mut self, couple: &Couple, turn: Option<Vector3<f64>>) {
         self.ended.extend(turn.map(|turn| (*couple, turn)));
     }

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 
 impl ContactBlock {
     /// Assigns the present slots (numbers of candidates) to the contacts of the previous step, `before`, which are in
-    /// ascending order of slot. A contact ends if the wall no longer has a contact with about its normal.
+    /// ascending order of slot. A contact ends if the wall no longer has a contact with nearly the same normal.
     pub(super) fn renumber(
         &mut self,
         view: ContactSearch,

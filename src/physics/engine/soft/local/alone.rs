@@ -89,7 +89,7 @@ impl IsolatedContact<'_> {
     }
 
     /// Makes one step of up to `dt` [s], which ends early if the contact ends. Returns the new state, the time taken
-    /// [s] and the mean rates.
+    /// [s], and the powers and forces of the contact as means over that time.
     pub fn advance(&self, from: &OrbitState, dt: f64) -> (OrbitState, f64, Rates) {
         let rates = |sums: &AlongNormal| Rates::along(&self.touch.couple, &self.normal, sums);
         let mut sums = AlongNormal::default();

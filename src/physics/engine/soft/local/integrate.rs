@@ -12,8 +12,8 @@ pub struct RungeKuttaStage {
     pub at: f64,
     /// [-] weight of the stage in the mean over the step.
     pub weight: f64,
-    /// [-] weight of the stage in the first moment of a force about the middle of the step, divided by the squared
-    /// length of the step. A force that grows linearly from F₀ to F₁ has the moment (F₁ - F₀)/12.
+    /// [-] weight of the stage in the first moment of a force F about the middle of the step, ∫ F (t - Δt/2) dt/Δt²,
+    /// with the length Δt of the step. A force that grows linearly from F₀ to F₁ has the moment (F₁ - F₀)/12.
     pub moment: f64,
 }
 
@@ -32,7 +32,8 @@ pub const HEUN: [RungeKuttaStage; 2] = [
 ];
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Moves all particles by `dt` [s] with the contacts in progress; returns the mean powers and wall forces.
+    /// Moves all particles of the island by `dt` [s] with the contacts in progress. Returns the powers and wall forces
+    /// as means over this time.
     pub(super) fn integrate(&mut self, dt: f64) -> Rates {
         let stages = self.engine.stages();
         let mut rates = Rates::default();

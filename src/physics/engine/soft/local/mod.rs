@@ -33,7 +33,7 @@ use nalgebra::Vector3;
 use sliding::SlidingContact;
 use spring_energy::SpringEnergies;
 
-/// Two bodies of an island that touch at the present time of the island.
+/// Two bodies of an island (group of particles that may meet) that touch at the present time of the island.
 pub struct ReachedTouch<'a> {
     /// The two bodies and their contact constants.
     pub touch: TouchingPair,
@@ -41,7 +41,8 @@ pub struct ReachedTouch<'a> {
     pub met: Encounter,
     /// Walls, surfaces and gravity.
     pub scene: &'a Scene,
-    /// Time of the touch, in the frame of reference that falls freely from the start of the part.
+    /// Time of the touch, in a frame of reference that falls freely from the start of the part (time for which the
+    /// island is solved).
     pub moment: FrameTime,
     /// [s] time from the touch to the end of the window.
     pub remaining: f64,
@@ -71,7 +72,7 @@ impl InstantaneousRule for NoInstants {
 
 /// Solver of islands (groups of particles that may meet) of soft spheres, by local time steps.
 pub struct SoftIslands<I = NoInstants> {
-    /// Contact law of all contacts in islands.
+    /// Contact law of all contacts in the islands.
     pub law: ContactLaw,
     /// Time integrator. Islands use fourth-order Runge-Kutta for `VelocityVerlet`, and Heun's method for `Rk2`.
     pub integrator: Integrator,
@@ -84,17 +85,18 @@ pub struct SoftIslands<I = NoInstants> {
     pub instants: I,
 }
 
-/// [ns/s] largest cost (computing time) of an island per simulated time. If it is infinite, no island is given up.
+/// [ns/s] largest cost (computing time) of an island (group of particles that may meet) per simulated time. If it is
+/// infinite, no island is given up.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowance {
-    /// [ns/s] share of the largest cost that does not depend on the size of the island.
+    /// [ns/s] part of the largest cost that is the same for all islands (groups of particles that may meet).
     pub each: f64,
-    /// [ns/s] share of the largest cost per hot particle (member of the island).
+    /// [ns/s] part of the largest cost that is added for each hot particle (member) of the island.
     pub per_particle: f64,
 }
 
 impl<I> SoftIslands<I> {
-    /// Stages of the Runge-Kutta method by which the island makes a step.
+    /// Stages of the Runge-Kutta method by which an island (group of particles that may meet) makes a step.
     pub fn stages(&self) -> &'static [RungeKuttaStage] {
         match self.integrator {
             Integrator::VelocityVerlet => &FOURTH_ORDER,
@@ -103,7 +105,7 @@ impl<I> SoftIslands<I> {
     }
 }
 
-/// Working memory of one thread that solves one island after another.
+/// Working memory of a thread that solves islands (groups of particles that may meet) one after another.
 #[derive(Default)]
 pub struct IslandScratch {
     contacts: Vec<Contact>,
@@ -120,7 +122,7 @@ pub struct IslandScratch {
     acceleration: Vec<Vector3<f64>>,
     moved: Vec<Vector3<f64>>,
     kicked: Vec<Vector3<f64>>,
-    /// Springs of `contacts`; empty if spheres do not rotate.
+    /// Springs of the contacts in `contacts`; empty if spheres do not rotate.
     sliding: Vec<SlidingContact>,
     /// [rad/s] spin of each particle at the start of the step.
     spin: Vec<Vector3<f64>>,
@@ -129,8 +131,8 @@ pub struct IslandScratch {
     /// [rad/s²] angular acceleration of each particle, averaged over the stages of the step with their Runge-Kutta
     /// weights.
     turned: Vec<Vector3<f64>>,
-    /// [W] parts of the friction power, averaged over the stages with their Runge-Kutta weights. The parts of rolling
-    /// and twisting include the energy that springs store.
+    /// [W] power that friction dissipates, listed by cause and averaged over the stages with their Runge-Kutta weights.
+    /// Rolling and twisting include the power that the springs store.
     losses: FrictionLosses,
 }
 
@@ -202,8 +204,8 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
     }
 }
 
-/// Computation of one island in a part (interval of time) of a window. Positions and velocities are relative to a
-/// frame of reference that falls freely, from rest at the start of the part.
+/// Computation of one island (group of particles that may meet) in a part (interval of time). Positions and velocities
+/// are relative to a frame of reference that falls freely, from rest at the start of the part.
 struct IslandRun<'a, I> {
     engine: &'a SoftIslands<I>,
     island: &'a mut Island<Contact>,
@@ -218,9 +220,10 @@ struct IslandRun<'a, I> {
 }
 
 impl<I: InstantaneousRule> IslandRun<'_, I> {
-    /// Moves the island until `end` [s], or until a particle exceeds its speed limit (the bound with which islands were
-    /// found) or is touched without being a member. Returns the local index of that particle; `None` if the island has
-    /// reached `end`. It is an error if the island costs too much or the engine fails.
+    /// Moves the island until `end` [s] after the start of the part, or until a particle exceeds its speed limit (the
+    /// bound with which islands were found) or is touched without being a member. Returns the local index of that
+    /// particle; `None` if the island has reached `end`. It is an error if the island costs too much or the engine
+    /// fails.
     fn until(&mut self, end: f64) -> Result<Option<usize>, GivenUp> {
         self.update_gaps();
         while self.now < end {
@@ -261,8 +264,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(None)
     }
 
-    /// True if the island has cost more so far than is allowed until `end` [s]. The cost is that of steps, and of
-    /// testing all pairs in the searches for the next touch.
+    /// True if solving the island has cost more so far than is allowed for the simulated time up to `end` [s]. The cost
+    /// is that of steps, and of testing all pairs in the searches for the next touch.
     fn costs_too_much(&self, end: f64) -> bool {
         let Allowance { each, per_particle } = self.engine.allowance;
         let allowed = (each + per_particle * self.island.hot as f64) * end;
@@ -280,7 +283,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         indices.find(|&index| !self.island.allows(index, &self.particles.velocity[index]))
     }
 
-    /// Moves all particles along straight lines until `time` [s].
+    /// Moves all particles along straight lines until the time `time` [s], counted from the start of the part.
     fn fly(&mut self, time: f64) {
         let dt = time - self.now;
         for (x, v) in self.particles.position.iter_mut().zip(&self.particles.velocity) {
@@ -290,7 +293,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// First touch of two bodies on straight flights from now until `end` [s]: the time [s] of the touch, and its slot
-    /// (number of the candidate). `None` if no bodies touch before `end`.
+    /// (number of the candidate). `None` if no bodies touch before `end`. Times are counted from the start of the part.
     fn next_touch(&mut self, end: f64) -> Option<(f64, usize)> {
         let left = end - self.now;
         self.island.pair_checks += self.island.list.slots() as u64;
@@ -405,7 +408,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Ok(())
     }
 
-    /// Repeats, with the length `dt` [s], the step that began at `start` [s]. Returns the mean powers and wall forces.
+    /// Makes again, with the new length `dt` [s], the step that began at `start` [s]. Returns the powers and wall
+    /// forces as means over the step.
     fn repeat(&mut self, start: f64, dt: f64) -> Rates {
         self.particles.position.clone_from(&self.scratch.position);
         self.particles.velocity.clone_from(&self.scratch.velocity);

@@ -48,16 +48,17 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         relative(self.particles, self.scene, [i, j], self.moment())
     }
 
-    /// Number of particles that belong both to the slot `slot` (two particles, or a particle and a wall) and to
-    /// `couple`.
+    /// Number of particles of `couple` that are also a body of the slot `slot` (two particles, or a particle and a
+    /// wall).
     fn shared(&self, slot: usize, couple: &Couple) -> usize {
         let indices = self.scratch.touches[slot].couple.indices();
         indices.into_iter().flatten().filter(|&index| is_of(couple, index)).count()
     }
 
     /// [s] time from now for which the gap of the slot `slot` (candidate) cannot close; it is valid up to `end` [s]
-    /// after the start of the part. The velocity of each body of `couple` may change by `change` [m/s] at once, and by
-    /// the acceleration `held` [m/s²]. The result is negative or not a number if the gap is closed already.
+    /// after the start of the part. Meanwhile the velocity of each body of `couple` may change by `change` [m/s] at
+    /// once, and by the acceleration `held` [m/s²]. The result is negative or not a number if the gap is closed
+    /// already.
     fn clear_of(&self, slot: usize, couple: &Couple, [change, held]: [f64; 2], end: f64) -> f64 {
         let velocity = |index: u32| self.particles.velocity[index as usize];
         let (gap, rate) = self.scratch.gaps[slot];
@@ -75,8 +76,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         if held == 0.0 { gap / speed } else { 2.0 * gap / (speed + (speed * speed + 2.0 * held * gap).sqrt()) }
     }
 
-    /// [m/s] upper limit of the change of velocity of the second body, if it is a moving wall; 0 for a wall that does
-    /// not move, and for a particle.
+    /// [m/s] upper limit of the change of velocity of the second body of `couple` between any two instants, if it is a
+    /// moving wall. 0 for a wall that does not move, and for a particle.
     fn swing(&self, couple: &Couple) -> f64 {
         match couple.other {
             Other::Wall(at) => 2.0 * self.scene.walls[at.wall as usize].largest_speed(),
@@ -117,7 +118,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// Applies an impulse if the touch of the two bodies of the slot `slot` (candidate) is instantaneous. Returns true
-    /// in that case.
+    /// if the impulse was applied.
     pub(super) fn strike(&mut self, slot: usize) -> bool {
         let touch = self.scratch.touches[slot];
         let moment = self.moment();
@@ -192,8 +193,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// Moves all particles for `time` [s], while the only contact changes from the state `begin` to `state`. All other
-    /// particles fly straight, and so does the centre of mass of the two bodies. `slip` [m/s] is their tangential
-    /// relative velocity at the start.
+    /// particles fly straight, and so does the centre of mass of the two touching bodies. `slip` [m/s] is the
+    /// tangential relative velocity of these bodies at the start.
     fn part(&mut self, alone: &IsolatedContact, slip: Vector3<f64>, [begin, state]: [OrbitState; 2], time: f64) {
         let couple = alone.touch.couple;
         let (i, j) = (couple.i as usize, couple.j().map(|j| j as usize));

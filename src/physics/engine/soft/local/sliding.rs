@@ -58,7 +58,7 @@ pub struct SlidingContact {
     margins: [[f64; 2]; 2],
 }
 
-/// First index in `margins`: `BEFORE` is the start of the step, and `AFTER` the present time.
+/// First index in `margins` (distances from the end of a phase): at the start of the step, or at the present time.
 const BEFORE: usize = 0;
 const AFTER: usize = 1;
 
@@ -169,7 +169,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Begins the rolling and twisting resistances that are due, and stores the state at the start of a step.
+    /// Begins the rolling and twisting resistances that are due, and stores spins and springs at the start of a step.
     pub(super) fn keep_springs(&mut self) {
         if self.kinds().len() > 1 {
             self.wake_resistances();
@@ -184,14 +184,14 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Restores the spins of the start of the step.
+    /// Sets the spins of all particles back to those at the start of the step.
     pub(super) fn restore_spins(&mut self) {
         if let Some(spins) = &mut self.particles.spin {
             spins.clone_from(&self.scratch.spin);
         }
     }
 
-    /// Begins a trial of a step of `count` particles. Rates and means become 0, and springs get their initial state.
+    /// Begins a trial step of `count` particles: sets rates and means to 0, and springs to their state before the step.
     pub(super) fn begin_turning(&mut self, count: usize) {
         let scratch = &mut *self.scratch;
         scratch.losses = FrictionLosses::default();
@@ -364,8 +364,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         force
     }
 
-    /// Distances (`SlidingContact::margins`) of a spring from the end of its phase, after a trial of a step of `dt`
-    /// [s]. Accelerations are those of the last stage, which is at the end of the step.
+    /// Distances (`SlidingContact::margins`) of a spring from the end of its phase (such as sticking), after a trial
+    /// step of `dt` [s]. Accelerations are those of the last stage, which is at the end of the step.
     fn margins(
         &self,
         index: usize,
@@ -472,8 +472,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         rates
     }
 
-    /// Ends the phase of each spring with a negative margin, and the phase of the spring `due`, which is given by the
-    /// indices of the spring and of its margin.
+    /// Ends the phase (such as sticking) of each spring with a negative margin (distance from the end of the phase).
+    /// Also ends that of the spring `due`, given by the indices of the spring and of its margin.
     pub(super) fn switch_phases(&mut self, due: Option<(usize, usize)>) {
         for k in 0..self.scratch.contacts.len() {
             for (index, &kind) in self.springs_of(k).zip(self.kinds()) {

@@ -68,8 +68,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         energies
     }
 
-    /// [W] parts of the power of a tangential force [N]: power of the dashpot while the contact sticks, and rate at
-    /// which the spring loses energy because its stiffness changes.
+    /// [W] power that the tangential force `force` [N] of a contact dissipates, listed by cause: the dashpot while the
+    /// contact sticks, and the spring, which loses energy because its stiffness changes.
     #[inline(always)]
     pub(super) fn tangential_losses(
         &self,
@@ -107,7 +107,7 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// Subtracts the energy that springs have gained in a step of `dt` [s] from the work of friction in this step.
-    /// `stored` contains their energies before the step. Also records the parts of that work.
+    /// `stored` contains the energies of the springs before the step. Also records the work of friction by cause.
     pub(super) fn keep_in_springs(&mut self, stored: &SpringEnergies, dt: f64) {
         let kept = self.spring_energies();
         let ledger = &mut self.island.log.ledger;
@@ -132,8 +132,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         }
     }
 
-    /// Stores the shears [m] and energies [J] of the springs in the contacts, which continue after this island is
-    /// solved.
+    /// Stores the shears [m] and energies [J] of the springs in their contacts, which continue after this island (group
+    /// of particles) is solved.
     pub(super) fn leave_springs(&mut self) {
         for k in 0..self.scratch.contacts.len() {
             let springs = self.springs_of(k);

@@ -73,9 +73,9 @@ pub struct SpringMotion {
     pub rates: SpringRates,
     /// [-] largest force of the spring divided by the normal force.
     friction: f64,
-    /// [N] largest force of the spring. Friction sets this limit, beyond which the spring slips.
+    /// [N] largest force of the spring. Friction sets this limit: at the limit the surfaces slide.
     pub limit: f64,
-    /// True if the overlap is at most `TOUCHING` diameters.
+    /// True if the overlap is at most `TOUCHING` diameters, so that the contact counts as just begun.
     pub at_touch: bool,
     /// Resistance to rolling or twisting; `None` for the spring of slip.
     pub resistance: Option<Resistance>,

@@ -37,8 +37,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
     }
 
     /// Repeats the step that began at `start` [s], with the length at which the gap of the slot `slot` (candidate) is
-    /// zero. The first guess of that length is `fraction` [-] of `dt` [s]. Returns the mean powers and wall forces of
-    /// the step.
+    /// zero. The first guess of that length is `fraction` [-] of `dt` [s]. Returns the powers and wall forces as means
+    /// over the step.
     ///
     /// The contact of the slot ends when its gap becomes positive, or begins when the gap becomes negative. If two such
     /// instants nearly coincide, the later one may have been passed when the last step ended. The gap then already has
@@ -111,8 +111,8 @@ impl<I: InstantaneousRule> IslandRun<'_, I> {
         Some(turn)
     }
 
-    /// Turns the velocity of particle i of a couple, which touches a rough wall, by the rotation vector `turn` [rad].
-    /// The impulse of the wall is recorded, and the rates of gaps are computed anew.
+    /// Turns the velocity of the first particle of `couple`, which touches a rough wall, by the rotation vector `turn`
+    /// [rad]. Records the impulse of the wall, and computes the rates of all gaps anew.
     fn turn_motion(&mut self, couple: &Couple, turn: &Vector3<f64>) {
         let normal = couple.meet(self.particles, self.scene, self.moment()).normal;
         let fallen = self.scene.gravity * self.now;
