@@ -86,7 +86,7 @@ pub struct GasTransport {
 }
 
 impl GasTransport {
-    /// Coefficients at a volume fraction and a restitution, both [-].
+    /// Coefficients of a gas with a volume fraction and a restitution, both [-].
     pub fn of(volume_fraction: f64, restitution: f64) -> Self {
         let (phi, e) = (volume_fraction, restitution);
         let chi = contact_value(1.0, 1.0, phi, phi);

@@ -92,8 +92,8 @@ mod tests {
         assert_eq!(forwards, backwards);
     }
 
-    /// Checks that the results for successive words differ in half of their 64 bits: the mean over 1000 pairs has a
-    /// standard error of 4/sqrt(1000) = 0.13 bits, and a deviation of five standard errors is allowed.
+    /// Checks that the results of [`mixed`] for successive words differ in half of their 64 bits. The mean over 1000
+    /// pairs has a standard error of 4/sqrt(1000) = 0.13 bits, and a deviation of five standard errors is allowed.
     #[test]
     fn mixed_words_differ_in_half_of_their_bits() {
         let differ = |word: u64| (mixed(&[7, word]) ^ mixed(&[7, word + 1])).count_ones();

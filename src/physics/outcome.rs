@@ -53,9 +53,9 @@ pub struct Outcome {
     pub pairs: Impacts,
     /// Impacts on walls that ended in the averaging period, counted from the same instant as those between particles.
     pub walls: Impacts,
-    /// [1/s] number of collisions between particles per time, over the averaging period; `None` without samples.
+    /// [1/s] number of collisions between particles per time, over the averaging period; `None` without measurements.
     pub pair_rate: Option<Estimate>,
-    /// [1/s] number of collisions with walls per time, over the averaging period; `None` without samples.
+    /// [1/s] number of collisions with walls per time, over the averaging period; `None` without measurements.
     pub wall_rate: Option<Estimate>,
     /// [-] restitution of impacts between particles, measured over the whole run; `None` without an impact. The
     /// estimate has no standard error if too few intervals between samples (instants of measurement) had an impact.
@@ -161,7 +161,7 @@ pub struct Averaged {
     pub replicas: Option<Replicas>,
 }
 
-/// Several runs of one variant that differ only in their seed.
+/// Several runs of one variant (one of the experiments in a case) that differ only in their seed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Replicas {
     /// Number of replicas (runs with different seeds).
@@ -175,7 +175,7 @@ pub struct Replicas {
 /// Wall-clock times of one run.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Timing {
-    /// [s] total wall-clock time between the initial state and the last sample.
+    /// [s] total wall-clock time between the initial state and the last sample (instant of measurement).
     pub wall_seconds: f64,
     /// [s] wall-clock time spent in the engine.
     pub engine: f64,
@@ -187,7 +187,7 @@ pub struct Timing {
     /// [s] wall-clock time spent on changes of velocity between windows (times between two exchanges with the gas),
     /// such as those by drag, lift, heat and buoyancy.
     pub drag: f64,
-    /// [s] wall-clock time spent on measurements at samples.
+    /// [s] wall-clock time spent on measurements.
     pub statistics: f64,
     /// Number of threads that the run used.
     pub threads: usize,

@@ -20,10 +20,10 @@ const MOST_SAMPLES: u64 = 1000;
 /// Number of sizes in the size distribution. The last size also stands for all larger clusters.
 const SIZES: usize = 50;
 
-/// Clusters at one instant.
+/// Numbers and sizes of the clusters (groups of connected particles) at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct ClusterSample {
-    /// [s] simulated time of the sample.
+    /// [s] simulated time at which the clusters are counted.
     time: f64,
     /// Number of all particles at this instant.
     particles: u64,
@@ -38,18 +38,18 @@ struct ClusterSample {
     by_size: Vec<u64>,
 }
 
-/// Measurement of clusters at samples (instants of measurement).
+/// Measurement of clusters (groups of particles whose gaps are small) at several instants of a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ParticleClusters {
-    /// [s] time between two samples that are used.
+    /// [s] time between two instants at which clusters are counted.
     interval: f64,
-    /// [m] gap below which two particles are connected.
+    /// [m] gap from surface to surface below which two particles are connected.
     gap: f64,
     samples: Vec<ClusterSample>,
 }
 
 impl ParticleClusters {
-    /// Creates a measurement for a run with the given schedule.
+    /// Creates the measurement for a run. `schedule` contains the instants of measurement.
     pub fn new(schedule: &Schedule, settings: ClustersSettings) -> Self {
         Self { interval: schedule.spacing(MOST_SAMPLES), gap: settings.gap, samples: Vec::new() }
     }

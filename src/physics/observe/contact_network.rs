@@ -26,7 +26,8 @@ const MOST_SAMPLES: u64 = 1000;
 /// Length of a list whose entry k is the number of particles with k contacts. The last entry also counts particles with
 /// more contacts.
 const MOST_CONTACTS: usize = 25;
-/// Names of the six components of the fabric tensor, each with the indices of its two axes (0: x, 1: y, 2: z).
+/// Names of the six components of the fabric tensor Σ n n/C over C contacts with unit normals n, each with the indices
+/// of its two axes (0: x, 1: y, 2: z).
 const COMPONENTS: [(&str, [usize; 2]); 6] =
     [("xx", [0, 0]), ("yy", [1, 1]), ("zz", [2, 2]), ("xy", [0, 1]), ("xz", [0, 2]), ("yz", [1, 2])];
 
@@ -65,14 +66,14 @@ impl ContactLine {
     }
 }
 
-/// Numbers of contacts, and means over the contacts of all particles, at one instant.
+/// Number of contacts of the particles, and means over all contacts, at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct NetworkSample {
-    /// [s] simulated time of the sample.
+    /// [s] simulated time at which the contacts are counted.
     time: f64,
     /// Number of particles with k contacts, in the entry k; the last entry also counts particles with more contacts.
     by_contacts: Vec<u64>,
-    /// Sum over all particles of the number of their contacts.
+    /// Sum over all particles of the number of their contacts. A contact between two particles counts twice.
     ends: u64,
     /// [-] fabric tensor: mean of the products of two components of the unit normal over all contacts between
     /// particles, in the order of [`COMPONENTS`]; `None` without such a contact.
@@ -94,7 +95,7 @@ pub struct ContactNetwork {
 }
 
 impl ContactNetwork {
-    /// Creates a measurement for an experiment that runs with the given schedule.
+    /// Creates the measurement for a run of `experiment`. `schedule` contains the instants of measurement.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let (interval, law) = (schedule.spacing(MOST_SAMPLES), experiment.law());
         Self { interval, law, samples: Vec::new(), lines: Vec::new() }

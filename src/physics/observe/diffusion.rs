@@ -24,13 +24,14 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Largest number of times t at which the curves of the mean squared displacement M(t) and the autocorrelation C(t) of
-/// the velocities have values. If the longest time contains more samples, only every n-th sample is used.
+/// the velocities have values. If the longest time contains more samples (instants of measurement), only every n-th is
+/// used.
 const MOST_TIMES: u64 = 1000;
 
-/// Means over the particles of a species at one time t after an origin.
+/// Means over the particles of a species at one time t after the start of a block of time.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct MotionSample {
-    /// [m²] mean squared displacement M(t) since the origin.
+    /// [m²] mean squared displacement M(t) since the start of the block of time.
     displacement: f64,
     /// [m²/s²] autocorrelation C(t) of the velocities: the mean of v(0)·v(t)/3 over the particles.
     correlation: f64,
@@ -40,11 +41,12 @@ struct MotionSample {
 /// latest sample (instant of measurement). Each list is in the order of the ids of the particles.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct TrackedParticles {
-    /// [m/s] velocities of the particles at the origin of the block.
+    /// [m/s] velocities of the particles at the start of the present block of time.
     velocity: Vec<Vector3<f64>>,
-    /// [m] positions of the particles in the box at the latest sample.
+    /// [m] positions of the particles in the box at the latest sample (instant of measurement).
     position: Vec<Vector3<f64>>,
-    /// [m] displacements of the particles from the origin of the block to the latest sample, across periodic sides.
+    /// [m] displacements of the particles, across periodic sides, from the start of the present block of time to the
+    /// latest sample (instant of measurement).
     displacement: Vec<Vector3<f64>>,
 }
 
@@ -52,9 +54,10 @@ struct TrackedParticles {
 /// to its end.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct MotionBlock {
-    /// [s] simulated time at which the block begins (its origin).
+    /// [s] simulated time at which the block of time begins.
     origin: f64,
-    /// For each species, the means at each time after the origin.
+    /// For each species, the mean squared displacement and the autocorrelation of the velocities at each time after
+    /// the start of the block.
     samples: Vec<Vec<MotionSample>>,
 }
 
@@ -62,19 +65,20 @@ struct MotionBlock {
 /// equal length.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Diffusion {
-    /// [s] time between two samples that are used.
+    /// [s] time between two instants of measurement.
     interval: f64,
-    /// Number of intervals between used samples in a block of time.
+    /// Number of intervals between instants of measurement in a block of time.
     intervals: usize,
     species: usize,
     tracked: TrackedParticles,
     blocks: Vec<MotionBlock>,
-    /// True if at some sample a particle was so fast that the nearest image at the next sample may be the wrong one.
+    /// True if at some instant of measurement a particle was so fast that its nearest periodic image at the next
+    /// instant may be the wrong one.
     is_ambiguous: bool,
 }
 
 impl Diffusion {
-    /// Creates a measurement for an experiment that runs with the given schedule.
+    /// Creates the measurement for a run of `experiment`. `schedule` contains the instants of measurement.
     pub fn new(experiment: &Experiment, schedule: &Schedule, settings: DiffusionSettings) -> Self {
         let samples = (settings.duration / schedule.interval()).round().max(1.0);
         let every = (samples as u64).div_ceil(MOST_TIMES).max(1);
@@ -102,8 +106,9 @@ impl Diffusion {
         self.blocks.push(MotionBlock { origin: simulation.time, samples: vec![Vec::new(); self.species] });
     }
 
-    /// Adds the displacement of each particle since the previous sample to its displacement from the origin.
-    /// `by_id[k]` is the index of the particle with the id k in the particles of the simulation.
+    /// Adds the displacement of each particle since the previous instant of measurement to its displacement since the
+    /// start of the block of time. `by_id[k]` is the index of the particle with the id k in the particles of the
+    /// simulation.
     fn track(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let domain = &simulation.scene().domain;
         let TrackedParticles { position, displacement, .. } = &mut self.tracked;
@@ -115,15 +120,15 @@ impl Diffusion {
     }
 
     /// True if some particle, at its present velocity, would move further than a quarter of a period between two
-    /// samples. The nearest image of that particle may then be the wrong one.
+    /// instants of measurement. The nearest image of that particle may then be the wrong one.
     fn is_too_fast(&self, simulation: &Simulation) -> bool {
         let furthest = 0.5 * simulation.scene().domain.half;
         let reaches = |v: &Vector3<f64>| (0..3).any(|axis| (v[axis] * self.interval).abs() > furthest[axis]);
         simulation.particles.velocity.iter().any(reaches)
     }
 
-    /// Adds the means over each species at the present time to the latest block. `by_id[k]` is the index of the
-    /// particle with the id k in the particles of the simulation.
+    /// Adds the mean squared displacement and the autocorrelation of each species at the present time to the latest
+    /// block. `by_id[k]` is the index of the particle with the id k in the particles of the simulation.
     fn measure(&mut self, simulation: &Simulation, by_id: &[u32]) {
         let (particles, tracked) = (&simulation.particles, &self.tracked);
         let sums = sums_in_groups(self.species, by_id.len(), |id| {
@@ -146,8 +151,8 @@ impl Diffusion {
         }
     }
 
-    /// Complete blocks of time whose origin is at `from` [s] or later. The list is empty if displacements are unknown
-    /// because particles were too fast.
+    /// Complete blocks of time that begin at `from` [s] or later. The list is empty if displacements are unknown
+    /// because a particle moved too far between two instants of measurement.
     fn complete(&self, from: f64) -> Vec<&MotionBlock> {
         let is_used = |block: &&MotionBlock| {
             block.origin >= from && block.samples.iter().all(|samples| samples.len() == self.intervals + 1)
@@ -157,7 +162,7 @@ impl Diffusion {
 }
 
 /// [m²/s] coefficient of self-diffusion of a gas of equal elastic spheres without forces, by Enskog's theory.
-/// `temperature` [m²/s²] is the granular temperature. `None` for other scenes.
+/// `temperature` [m²/s²] is the granular temperature. `None` if the scene is not such a gas.
 fn theory(experiment: &Experiment, temperature: f64) -> Option<f64> {
     let scene = &experiment.scene;
     let ([species], false) = (scene.species.as_slice(), scene.has_sizes()) else { return None };

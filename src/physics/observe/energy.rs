@@ -17,15 +17,16 @@ pub struct EnergyBooks {
     pub at_end: f64,
     /// [J] unexplained energy at the end: change of energy since the start minus the work and losses in the ledger.
     unexplained: f64,
-    /// [s] simulated time of the latest recorded sample.
+    /// [s] simulated time of the latest sample (instant of measurement).
     seen: f64,
-    /// [J] unexplained energy since the start, at every sample.
+    /// [J] unexplained energy at every sample (instant of measurement): change of energy since the start minus work
+    /// and losses.
     samples: Vec<f64>,
 }
 
 impl EnergyBooks {
-    /// [J] unexplained energy of the whole run: change of energy minus work and losses. Its standard error follows from
-    /// the scatter of its changes between successive samples.
+    /// [J] unexplained energy of the whole run: change of energy minus work and losses. Its standard error follows
+    /// from the scatter of the changes of the unexplained energy between successive samples (instants of measurement).
     pub fn residual(&self) -> Estimate {
         let steps: Vec<f64> = self.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let error = estimate(&steps).and_then(|step| step.error);

@@ -42,23 +42,24 @@ const SUMS: usize = 16;
 /// Indices of the two axes of each component of a stress, in the order xx, yy, zz, xy, xz, yz.
 const AXES: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]];
 
-/// Sums of all cells of the grid over the samples in one block of time.
+/// Sums of mass, momentum and stress in each cell of the grid over the instants of measurement in one block of time.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct FieldBlock {
-    /// [s] simulated time of the first sample of the block.
+    /// [s] simulated time of the first instant of measurement in the block.
     from: f64,
-    /// Number of samples (instants of measurement) in the block.
+    /// Number of instants of measurement in the block.
     samples: u64,
-    /// Sums of each cell. The index along x changes first from cell to cell, then that along y.
+    /// Sums of mass, momentum and stress of each cell. The index along x changes first from cell to cell, then that
+    /// along y.
     sums: Vec<[f64; SUMS]>,
 }
 
-/// Measurement of coarse-grained fields at samples: density, velocity and stress in the cells of a grid.
+/// Measurement of density, velocity and stress in the cells of a grid, at several instants of a run.
 #[derive(Clone, Debug)]
 pub struct Fields {
-    /// [s] time between two samples that are used.
+    /// [s] time between two instants of measurement.
     interval: f64,
-    /// [s] duration of a block of time, over which sums are added.
+    /// [s] duration of a block of time, over which the fields are averaged.
     length: f64,
     /// [m] width w of the Gaussian that weights the particles.
     width: f64,
@@ -80,8 +81,8 @@ struct CellFields {
 }
 
 impl CellFields {
-    /// Computes the fields of a cell with the volume `volume` [m³]. `sums` holds the sums of the cell, averaged over
-    /// samples.
+    /// Computes the fields of a cell with the volume `volume` [m³]. `sums` holds the [`SUMS`] sums of mass, momentum
+    /// and stress of the cell, averaged over time.
     fn of(sums: &[f64; SUMS], volume: f64) -> Self {
         let per_volume = sums.map(|sum| sum / volume);
         let density = per_volume[0];
@@ -97,7 +98,7 @@ impl CellFields {
 }
 
 impl Fields {
-    /// Creates a measurement for an experiment that runs with the given schedule.
+    /// Creates the measurement for a run of `experiment`. `schedule` contains the instants of measurement.
     pub fn new(experiment: &Experiment, schedule: &Schedule, settings: FieldsSettings) -> Self {
         Self {
             interval: schedule.spacing(MOST_SAMPLES),
@@ -135,9 +136,8 @@ impl Fields {
         shares
     }
 
-    /// Divides the numbers of `row`, which belong to the position `place` [m], among the cells around it. Each cell
-    /// gets the numbers times its share [-]. In a cell, the first number is added to the sum with the index `first`,
-    /// the other numbers to the following sums.
+    /// Divides the numbers of `row`, such as mass and momentum, of a point at `place` [m] among the cells around it.
+    /// In each cell, the numbers times the share [-] of the cell are added to the sums from the index `first` on.
     fn spread(&self, sums: &mut [[f64; SUMS]], domain: &Domain, place: &Vector3<f64>, first: usize, row: &[f64]) {
         let place = domain.wrap(place);
         let [x, y, z] = [0, 1, 2].map(|axis| self.shares(domain, axis, place[axis]));
@@ -170,7 +170,8 @@ impl Fields {
     }
 }
 
-/// Sums of each cell, averaged over all samples of several blocks of time.
+/// Sums of mass, momentum and stress of each cell, averaged over all instants of measurement in several blocks of
+/// time.
 fn mean(blocks: &[FieldBlock]) -> Vec<[f64; SUMS]> {
     let samples = blocks.iter().map(|block| block.samples).sum::<u64>().max(1) as f64;
     let count = blocks.first().map_or(0, |block| block.sums.len());
@@ -178,8 +179,8 @@ fn mean(blocks: &[FieldBlock]) -> Vec<[f64; SUMS]> {
     (0..count).map(|cell| std::array::from_fn(|k| of(cell, k))).collect()
 }
 
-/// Sums averaged over the cells of each layer, which lies between two planes perpendicular to y. `cells` holds the
-/// numbers of cells along x, y and z.
+/// Sums of mass, momentum and stress, averaged over the cells of each layer between two planes perpendicular to y.
+/// `cells` holds the numbers of cells along x, y and z.
 fn layers(sums: &[[f64; SUMS]], cells: [usize; 3]) -> Vec<[f64; SUMS]> {
     let mut layers = vec![[0.0; SUMS]; cells[1]];
     for (cell, sums) in sums.iter().enumerate() {

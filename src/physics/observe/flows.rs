@@ -17,37 +17,39 @@ pub struct FlowAverages {
     pub name: String,
     /// True for an inlet, false for an outlet.
     pub is_inlet: bool,
-    /// [kg/s] mass of the particles that pass per time, averaged over the averaging period. `None` for fewer than two
-    /// samples.
+    /// [kg/s] mass of the particles that pass per time, averaged over the averaging period. `None` if the flow was
+    /// measured less than twice.
     pub mass_rate: Option<Estimate>,
-    /// [1/s] number of particles that pass per time, averaged over the averaging period. `None` for fewer than two
-    /// samples.
+    /// [1/s] number of particles that pass per time, averaged over the averaging period. `None` if the flow was
+    /// measured less than twice.
     pub rate: Option<Estimate>,
-    /// Sums over the particles that have passed this inlet or outlet in the whole run.
+    /// Number, mass, momentum and energy of the particles that have passed this inlet or outlet in the whole run.
     pub totals: FlowTotals,
     /// Number of particles that wait at an inlet for free space: at the end of the run, and the largest number at any
     /// time. Both are 0 for an outlet.
     pub waiting: [u64; 2],
-    /// Sums over the particles that have passed since the start, at each sample (instant of measurement).
+    /// Number, mass, momentum and energy of the particles that have passed since the start, at several instants.
     #[serde(skip)]
     pub over_time: Vec<FlowSample>,
 }
 
-/// Sums over the particles that have passed an inlet or outlet from the start to one instant.
+/// Number, mass, momentum and energy of the particles that have passed an inlet or outlet from the start to one
+/// instant.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FlowSample {
-    /// [s] simulated time to which the sums extend.
+    /// [s] simulated time of this instant.
     pub time: f64,
-    /// Sums over the particles that have passed since the start.
+    /// Number, mass, momentum and energy of the particles that have passed since the start.
     pub totals: FlowTotals,
 }
 
 /// Measurement of the flow through all inlets and outlets of a scene.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Flows {
-    /// [s] time between two samples (instants of measurement) of the flow.
+    /// [s] time between two instants at which the flow is measured.
     interval: f64,
-    /// Samples of each outlet, then of each inlet. The list is empty in a scene without inlets and outlets.
+    /// Measured flow through each outlet, then through each inlet. The list is empty in a scene without inlets and
+    /// outlets.
     samples: Vec<Vec<FlowSample>>,
     /// For each outlet, then each inlet: number of particles that wait for free space at present, and the largest
     /// number at any time. Both are 0 for an outlet.
@@ -55,7 +57,7 @@ pub struct Flows {
 }
 
 impl Flows {
-    /// Creates a measurement for an experiment that runs with the given schedule.
+    /// Creates the measurement for a run of `experiment`. `schedule` contains the instants of measurement.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let openings = experiment.scene.outlets.len() + experiment.scene.inlets.len();
         let (samples, waiting) = (vec![Vec::new(); openings], vec![[0; 2]; openings]);

@@ -28,8 +28,8 @@ const BUDGET: usize = 90_000;
 /// velocity fluctuations alone. It is short enough to show collisions.
 const FLIGHT: f64 = 1.0;
 
-/// [-] mean distance that a particle may at most fly between two frames, over the distance of `FLIGHT`, if the frames
-/// cover the whole run. If it would fly further, the frames end before the run.
+/// [-] largest mean distance that a particle may fly between two frames if the frames cover the whole run, over the
+/// desired distance `FLIGHT`. If it would fly further, the frames end before the run.
 const WHOLE: f64 = 5.0;
 
 /// State of the recorded particles at one instant.
@@ -60,7 +60,7 @@ pub struct Frame {
 pub struct Frames {
     /// [s] duration of the run.
     duration: f64,
-    /// Largest number of recorded particles, and largest number of frames.
+    /// Largest number of recorded particles, and largest number of frames (instants at which they are recorded).
     most: (usize, usize),
     /// [s] time between the latest recorded frame and the next one.
     spacing: f64,
@@ -70,7 +70,7 @@ pub struct Frames {
     pub radius: Vec<f32>,
     /// Species of each recorded particle.
     pub species: Vec<u16>,
-    /// Frames in the order of time.
+    /// Recorded states of the particles in the order of time.
     pub frames: Vec<Frame>,
 }
 

@@ -24,28 +24,29 @@ use std::f64::consts::{PI, TAU};
 /// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th
 /// sample is used.
 const MOST_SAMPLES: u64 = 2000;
-/// Number of standard deviations at which the smoothing Gaussian ends.
+/// Distance at which the Gaussian that smooths the heights is cut off, in standard deviations.
 const CUT: f64 = 4.0;
 /// Numbers m of the symmetries Q_m: Q_m measures the m-fold symmetry of the directions of the waves in the pattern.
 const ORDERS: [i32; 3] = [2, 4, 6];
-/// Largest difference between |f| L of a wave vector f and the number n of the strongest shell, up to which the wave
-/// vector counts for the symmetry. L is the longer horizontal edge of the box.
+/// Largest difference between |f| L of a wave vector f and the number n of the shell with the largest power, up to
+/// which the wave vector counts for the symmetry. L is the longer horizontal edge of the box; the shell has |f| L near
+/// n.
 const HALF_WIDTH: f64 = 0.75;
 
-/// Pattern of the surface at one instant.
+/// Pattern of the free surface of a layer at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct SurfaceSample {
-    /// [s] simulated time of the sample.
+    /// [s] simulated time at which the surface is measured.
     time: f64,
-    /// [m] standard deviation of the smoothed height.
+    /// [m] standard deviation of the smoothed heights of the surface.
     contrast: f64,
-    /// [m²] contribution of each shell to the variance of the height, from n = 0. The shell n contains the waves of
-    /// wavelengths near L/n, with the longer horizontal edge L.
+    /// [m²] contribution of each shell to the variance of the height, for n = 0, 1 and so on. The shell n contains the
+    /// waves of wavelengths near L/n, with the longer horizontal edge L of the box.
     power: Vec<f64>,
-    /// Number n of the shell with the largest power, whose waves have wavelengths near L/n with the longer horizontal
-    /// edge L; 0 if the surface is flat.
+    /// Number n > 1 of the shell with the largest power. The waves of the shell n have wavelengths near L/n, with the
+    /// longer horizontal edge L of the box. The number is 0 if the surface is flat.
     strongest: usize,
-    /// Symmetries Q_2, Q_4 and Q_6 of the strongest shell.
+    /// Symmetries Q_2, Q_4 and Q_6 (1: perfect) of the directions of the waves in the shell with the largest power.
     symmetry: [f64; 3],
 }
 
@@ -56,18 +57,18 @@ struct HeightMap {
     heights: Vec<f64>,
 }
 
-/// Measurement of the free surface at samples (instants of measurement).
+/// Measurement of the height of the free surface at several instants of a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FreeSurface {
-    /// [s] time between two samples that are used.
+    /// [s] time between two instants at which the surface is measured.
     interval: f64,
     /// [s] half of the duration of the run. From this time on, the map with the largest contrast is kept.
     half: f64,
     /// Vertical axis (0: x, 1: y, 2: z), and the sign of the upward direction along it (+1 or -1).
     up: (usize, f64),
-    /// The two horizontal axes (0: x, 1: y, 2: z).
+    /// The two horizontal axes (0: x, 1: y, 2: z), along which the layer is divided into columns.
     level: [usize; 2],
-    /// Numbers of columns along the horizontal axes.
+    /// Numbers of columns along the two horizontal axes. A column has one height.
     columns: [usize; 2],
     /// [m] edges of the box along the horizontal axes.
     edges: [f64; 2],
@@ -82,7 +83,7 @@ pub struct FreeSurface {
 }
 
 impl FreeSurface {
-    /// Creates a measurement for an experiment that runs with the given schedule.
+    /// Creates the measurement for a run of `experiment`. `schedule` contains the instants of measurement.
     pub fn new(experiment: &Experiment, schedule: &Schedule, settings: FreeSurfaceSettings) -> Self {
         let domain = &experiment.scene.domain;
         let up = settings.up;
@@ -149,7 +150,7 @@ impl FreeSurface {
         heights
     }
 
-    /// Pattern of smoothed heights at the time `time` [s].
+    /// Computes the waves and the symmetry of the pattern of smoothed heights [m] at the time `time` [s].
     fn pattern(&self, time: f64, heights: &[f64]) -> SurfaceSample {
         let ([across, along], total) = (self.columns, heights.len() as f64);
         let mean = heights.iter().sum::<f64>() / total;

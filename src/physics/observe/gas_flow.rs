@@ -17,8 +17,8 @@ pub struct GasFlow {
     pub alone: Vec<GridNode>,
     /// Time averages of the gas with particles at the grid points of `alone`.
     pub mean: Vec<GridNode>,
-    /// [Pa/m] pressure drop per length of the gas with particles, without the hydrostatic part. `None` for fewer than
-    /// two samples.
+    /// [Pa/m] pressure drop per length of the gas with particles, without the hydrostatic part. `None` if the gas was
+    /// measured less than twice.
     pub pressure_gradient: Option<Estimate>,
     /// [Pa/m] pressure drop per length of the gas without particles.
     pub pressure_gradient_alone: f64,
@@ -27,16 +27,17 @@ pub struct GasFlow {
     pub bulk_velocity: Option<Estimate>,
     /// [m/s] friction velocity; negative if the gas flows backwards at the wall, `None` if its mean is not finite.
     pub friction_velocity: Option<Estimate>,
-    /// Momentum balance of the gas along z over the whole run.
+    /// Momentum balance of the gas along z, from the start of the run to the last instant at which the gas was
+    /// measured.
     pub balance: GasBalance,
 }
 
 /// State of a gas on which the particles act, at one instant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct GasSample {
-    /// [s] simulated time of the sample.
+    /// [s] simulated time of this state.
     time: f64,
-    /// [Pa s/m] time integral of the pressure drop per length since the start.
+    /// [Pa s/m] integral over time, since the start, of the pressure drop per length.
     pressed: f64,
     /// [m/s] flow rate of the gas, divided by the area of the cross-section.
     bulk_velocity: f64,
@@ -45,23 +46,23 @@ struct GasSample {
     nodes: Vec<GridNode>,
 }
 
-/// Measurement of the flow of a gas on which the particles act (two-way coupling), at samples.
+/// Measurement of the flow of a gas on which the particles act (two-way coupling), at several instants.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct GasFlows {
-    /// [s] time between two samples of the gas.
+    /// [s] time between two instants at which the gas is measured.
     interval: f64,
     samples: Vec<GasSample>,
     balance: GasBalance,
 }
 
 impl GasFlows {
-    /// Creates a measurement for runs with the given schedule.
+    /// Creates the measurement for a run. `schedule` contains the instants of measurement.
     pub fn new(schedule: &Schedule) -> Self {
         Self { interval: schedule.spacing(MOST_SAMPLES), ..Self::default() }
     }
 
-    /// Averages over the samples from the time `from` [s] on. `alone` is the gas without particles. `None` if the gas
-    /// has no channel or pipe flow, or if there is no sample.
+    /// Averages over the samples (instants of measurement) from the time `from` [s] on. `alone` is the gas without
+    /// particles. `None` if the gas has no channel or pipe flow, or if there is no sample.
     pub fn averages(&self, alone: Option<&Fluid>, from: f64) -> Option<GasFlow> {
         let (fluid, flow) = alone.and_then(|fluid| Some((fluid, fluid.profile.channel_flow()?)))?;
         let used: Vec<&GasSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();

@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 /// stored at the ends of the parts in this half, since averaging may begin near any of them.
 const MARKS: u64 = 40;
 
-/// Sums over all impacts from the start of the run to one sample (instant of measurement).
+/// Number of impacts and sums of their squared speeds, from the start of the run to one sample (instant of
+/// measurement).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct ImpactSample {
     count: u64,
@@ -38,8 +39,8 @@ impl ImpactSample {
     }
 }
 
-/// Sums over the impacts from the start to every sample (instant of measurement). The impacts are either those between
-/// particles or those on walls.
+/// Number of impacts and sums of their squared speeds, from the start to every sample (instant of measurement). The
+/// impacts are either those between particles or those on walls.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ImpactSeries {
     on_walls: bool,
@@ -48,13 +49,13 @@ pub struct ImpactSeries {
     duration: f64,
     schedule: Schedule,
     samples: Vec<ImpactSample>,
-    /// Times [s] at which averaging begins or, if its start is detected, may begin. Each time has the sums over all
-    /// impacts from the start to this time.
+    /// Times [s] at which averaging begins or, if its start is detected, may begin. Each time has the statistics of
+    /// all impacts from the start to this time.
     marks: Vec<(f64, Impacts)>,
 }
 
 impl ImpactSeries {
-    /// Creates the series of the impacts between particles.
+    /// Creates the measurement of the impacts between particles, before the start of the run.
     pub fn of_pairs(experiment: &Experiment, schedule: &Schedule) -> Self {
         Self {
             on_walls: false,
@@ -66,7 +67,7 @@ impl ImpactSeries {
         }
     }
 
-    /// Creates the series of the impacts on walls.
+    /// Creates the measurement of the impacts on walls, before the start of the run.
     pub fn of_walls(experiment: &Experiment, schedule: &Schedule) -> Self {
         Self { on_walls: true, ..Self::of_pairs(experiment, schedule) }
     }
@@ -75,8 +76,8 @@ impl ImpactSeries {
         if self.on_walls { &record.walls } else { &record.pairs }
     }
 
-    /// True if averaging may begin at the present sample, which is at `time` [s]. In this case the sums of the impacts
-    /// are stored.
+    /// True if averaging may begin at the present instant of measurement, `time` [s]. The statistics of the impacts
+    /// until then must be stored in this case.
     fn begins(&self, time: f64) -> bool {
         match self.average_from {
             // 1e-9 allows for the rounding of a sum of windows
@@ -88,40 +89,42 @@ impl ImpactSeries {
         }
     }
 
-    /// Sums over the impacts of each interval between two successive samples.
+    /// Number of impacts and sums of their squared speeds, in each interval between two instants of measurement.
     fn intervals(&self) -> impl Iterator<Item = ImpactSample> {
         self.samples.windows(2).map(|pair| pair[1].since(&pair[0]))
     }
 
-    /// Impacts of the averaging period, which begins at the first time at or after `from` [s] at which sums are stored.
-    /// If all these times are earlier than `from`, the last one is used. If there are none, no impacts are returned.
+    /// Impacts of the averaging period. It begins at the first time at or after `from` [s] at which the statistics of
+    /// the impacts were stored. If all these times are earlier than `from`, the last one is used. If there are none,
+    /// no impacts are returned.
     pub fn since(&self, from: f64, record: &Record) -> Impacts {
         let begun = self.marks.iter().find(|(time, _)| *time >= from * (1.0 - 1e-9)).or(self.marks.last());
         begun.map_or_else(Impacts::default, |(_, before)| self.of(record).since(before))
     }
 
-    /// [1/s] mean impact rate from the sample with the index `first` to the end; `None` if no sample follows.
+    /// [1/s] mean impact rate from the sample (instant of measurement) with the index `first` to the end; `None` if
+    /// this sample is the last one.
     pub fn rate(&self, first: usize) -> Option<Estimate> {
         estimate(&self.rates(first))
     }
 
-    /// [1/s] impact rate in each interval between two successive samples, from the sample with the index `first` to the
-    /// end.
+    /// [1/s] impact rate in each interval between two successive samples (instants of measurement), from the sample
+    /// with the index `first` to the end.
     fn rates(&self, first: usize) -> Vec<f64> {
         let interval = self.schedule.interval();
         self.intervals().skip(first).map(|totals| totals.count as f64 / interval).collect()
     }
 
-    /// Impact rate [1/s] in blocks of time from the sample with the index `first` on, whose time is `from` [s]. `None`
-    /// if no sample follows. The time of each rate is the end of its interval.
+    /// Impact rate [1/s] in blocks of time from the sample (instant of measurement) with the index `first` on, whose
+    /// time is `from` [s]. `None` if this sample is the last one. The time of each rate is the end of its interval.
     pub fn batches(&self, first: usize, from: f64) -> Option<Batches> {
         let interval = self.schedule.interval();
         Batches::of_series(&self.rates(first), interval, from + interval)
     }
 
     /// [-] realised restitution e: square root of the ratio of normal energies after and before the impacts, both
-    /// summed over all impacts. The standard error follows from the scatter of Σ rebound² - e² Σ approach² between the
-    /// intervals. `None` without an impact.
+    /// summed over all impacts. The standard error follows from the scatter, between intervals of time, of Σ u'² - e²
+    /// Σ u². Here u and u' are the normal speeds before and after an impact. `None` without an impact.
     pub fn restitution(&self) -> Option<Estimate> {
         let intervals: Vec<ImpactSample> = self.intervals().collect();
         let before: f64 = intervals.iter().map(|totals| totals.approach).sum();

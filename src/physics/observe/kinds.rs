@@ -16,15 +16,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct OfSpecies {
     species: u16,
-    /// Number of particles of the species at every sample. It changes only with inlets or outlets.
+    /// Number of particles of the species at every instant of measurement. It changes only with inlets or outlets.
     count: Vec<f64>,
     profiles: Accumulator,
-    /// [m/s] mean streamwise velocity of the species at every sample.
+    /// [m/s] mean streamwise velocity of the species at every instant of measurement.
     velocity: Vec<f64>,
-    /// [m²/s²] granular temperature of the species at every sample; `None` at samples with too few particles.
+    /// [m²/s²] granular temperature of the species at every instant of measurement; `None` where the particles are too
+    /// few.
     temperature: Vec<Option<f64>>,
-    /// [J] mean kinetic energy of the random motion per degree of freedom of a particle, at every sample; `None` at
-    /// samples with too few particles. The list is empty if all particles of the species have the same mass.
+    /// [J] mean kinetic energy of the random motion per degree of freedom of a particle, at every instant of
+    /// measurement; `None` where the particles are too few. The list is empty if all particles of the species have the
+    /// same mass.
     energy: Vec<Option<f64>>,
 }
 
@@ -38,16 +40,16 @@ pub struct Kinds {
     interval: f64,
     species: Vec<OfSpecies>,
     impacts: Vec<ByKinds>,
-    /// [s] times of the samples.
+    /// [s] times of all samples (instants of measurement).
     times: Vec<f64>,
 }
 
-/// Averages of one species over the averaging period. An average is `None` without samples in this period.
+/// Averages of one species over the averaging period. An average is `None` without measurements in this period.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpeciesAverages {
     /// Name of the species of particles.
     pub name: String,
-    /// Number of particles of the species, as a mean over the samples; 0 without samples.
+    /// Number of particles of the species, as a mean over the instants of measurement; 0 without measurements.
     pub count: usize,
     /// [1/m³] mean number of particles of the species per volume of the box.
     pub number_density: f64,
@@ -69,7 +71,8 @@ pub struct SpeciesAverages {
     pub batches: [Option<Batches>; 3],
 }
 
-/// Impacts between two kinds (species or walls) over the averaging period. A mean is `None` without samples or impacts.
+/// Impacts between two kinds (species or walls) over the averaging period. A mean is `None` without measurements or
+/// impacts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeetingAverages {
     /// Names of the two kinds: first a species, then a second species or a wall, such as `wall 0`, with its index in
@@ -98,13 +101,13 @@ pub struct KindCurve {
     pub unit: &'static str,
     /// True if the quantity is a sum over particles, such as a number of impacts; false if it is a mean.
     pub sum: bool,
-    /// Points of the curve: time [s] and value at every sample.
+    /// Points of the curve: time [s] and value at every instant of measurement.
     pub points: Vec<(f64, f64)>,
 }
 
 impl KindCurve {
     /// Value of the curve at the time `time` [s], by linear interpolation; `None` before the first and after the last
-    /// sample.
+    /// point.
     pub fn at(&self, time: f64) -> Option<f64> {
         let rounding = 1e-9 * time.abs();
         let place = self.points.partition_point(|point| point.0 < time - rounding);
@@ -130,8 +133,8 @@ pub struct KindAverages {
     pub curves: Vec<KindCurve>,
 }
 
-/// Joins the blocks of time of several replicas (runs with different seeds); `None` if some run has no blocks. If
-/// `by_runs` is true, each run is one block, as in [`Batches::pool`].
+/// Joins the averages over blocks of time of several replicas (runs with different seeds); `None` if some run has no
+/// such averages. If `by_runs` is true, each run is one block, as in [`Batches::pool`].
 fn pool<'a>(runs: impl Iterator<Item = &'a Option<Batches>>, by_runs: bool) -> Option<Batches> {
     let all: Option<Vec<&Batches>> = runs.map(Option::as_ref).collect();
     Batches::pool(&all?, by_runs)
@@ -222,7 +225,7 @@ impl MeetingAverages {
 }
 
 impl Kinds {
-    /// Creates the measurements for an experiment, before the first sample.
+    /// Creates the measurements for an experiment, before the start of its run.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let (slices, height) = (experiment.statistics.slices, experiment.scene.domain.size.y);
         let of = |(species, _): (usize, usize)| OfSpecies {
@@ -242,7 +245,8 @@ impl Kinds {
         Self { slices, interval: schedule.interval(), species, impacts: Vec::new(), times: Vec::new() }
     }
 
-    /// Averages from the sample with the index `first`, whose time is `from` [s], to the end of the run.
+    /// Averages from the sample (instant of measurement) with the index `first`, at the time `from` [s], to the end of
+    /// the run.
     pub fn averages(&self, scene: &Scene, first: usize, from: f64) -> KindAverages {
         let species = self.species.iter().map(|of| {
             let rate = Batches::of_series(&self.rates(of.species, first), self.interval, from + self.interval);
@@ -256,8 +260,8 @@ impl Kinds {
         KindAverages { species, meetings, curves: self.curves(scene) }
     }
 
-    /// [1/s] rate of all impacts of a species with particles, in each interval between two samples. The first interval
-    /// begins at the sample with the index `first`.
+    /// [1/s] rate of all impacts of a species with particles, in each interval between two samples (instants of
+    /// measurement). The first interval begins at the sample with the index `first`.
     fn rates(&self, species: u16, first: usize) -> Vec<f64> {
         let counts = self.impacts.iter().skip(first).map(|sample| {
             let own = sample.met().filter(|between| takes_part(species, *between));
@@ -267,8 +271,9 @@ impl Kinds {
         counts.windows(2).map(|pair| (pair[1] - pair[0]) as f64 / self.interval).collect()
     }
 
-    /// Mean velocity [m/s] and granular temperature [m²/s²] of each species at every sample, for the test for a steady
-    /// state. The scale of the temperature is its largest value, that of the velocity the root of this value.
+    /// Mean velocity [m/s] and granular temperature [m²/s²] of each species at every sample (instant of measurement),
+    /// for the test for a steady state. The scale of the temperature, with which changes are compared, is its largest
+    /// value. The scale of the velocity is the square root of this value.
     pub fn series(&self, scene: &Scene) -> Vec<Followed> {
         let speed = scene.rest_speed();
         let of = |of: &OfSpecies| {
@@ -339,8 +344,9 @@ fn takes_part(species: u16, between: Between) -> bool {
 }
 
 impl OfSpecies {
-    /// Averages of the species from the sample with the index `first` to the end. The time of this sample is `from`
-    /// [s], and samples are `interval` [s] apart. `rate` is the rate of impacts with particles [1/s] in blocks of time.
+    /// Averages of the species from the sample (instant of measurement) with the index `first` to the end. The time of
+    /// this sample is `from` [s], and samples are `interval` [s] apart. `rate` is the rate of impacts with particles
+    /// [1/s] in blocks of time.
     fn averages(
         &self,
         scene: &Scene,
@@ -445,7 +451,8 @@ mod tests {
         MeetingAverages { between, count, rate: None, normal_speed: None, restitution_asked, restitution: None }
     }
 
-    /// A prescribed restitution is pooled by the numbers of impacts, and stays as it is if all runs have the same.
+    /// If runs are pooled, a prescribed restitution is averaged with the numbers of impacts as weights. It stays
+    /// exactly as it is if it is equal in all runs.
     #[test]
     fn prescribed_restitutions_are_pooled() {
         let runs = [met(67, 0.8), met(75, 0.8), met(3, 0.8)];
@@ -459,7 +466,7 @@ mod tests {
         assert_eq!(weighted_mean(0.3, std::iter::empty()), 0.3);
     }
 
-    /// Errors of particles that do not mix come from the scatter between the runs: the values 1, 2 and 3 have the
+    /// If particles do not mix, standard errors come from the scatter between the runs. The values 1, 2 and 3 have the
     /// standard deviation 1, and their mean the error 1/sqrt(3).
     #[test]
     fn errors_come_from_the_runs_on_demand() {

@@ -144,7 +144,7 @@ impl Observation {
 
 /// Observer of a run whose result has the common form of an [`Observation`].
 pub trait Measurement: Observer {
-    /// Returns the result of the samples (instants of measurement) from the time `from` [s] to the end.
+    /// Returns the result for the averaging period, from the time `from` [s] to the end of the run.
     fn result(&self, experiment: &Experiment, from: f64) -> Observation;
 }
 
@@ -164,7 +164,7 @@ pub struct Measurements {
 }
 
 impl Measurements {
-    /// Creates the measurements of an experiment that runs with the given schedule.
+    /// Creates the measurements for a run of `experiment`. `schedule` contains the instants of measurement.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let asked = &experiment.observe;
         Self {
@@ -204,7 +204,7 @@ impl Measurements {
             .flatten()
     }
 
-    /// Results of all measurements, from the samples at `from` [s] and later.
+    /// Results of all measurements, averaged from the time `from` [s] to the end of the run.
     pub fn results(mut self, experiment: &Experiment, from: f64) -> Vec<Observation> {
         self.each().map(|measurement| measurement.result(experiment, from)).collect()
     }

@@ -14,17 +14,17 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::SplitMix64;
 use serde::{Deserialize, Serialize};
 
-/// Number of sums per layer: the number of particles, and 31 sums of random signs. With n layers, the measured share of
-/// the particles that stay in their layer has a statistical error of 1/sqrt(31 n).
+/// Number of sums per layer: the number of particles, and 31 sums of the random signs +1 or -1 of the particles. With
+/// n layers, the measured share of the particles that stay in their layer has a statistical error of 1/sqrt(31 n).
 const SUMS: usize = 32;
 /// Largest number of layers along y. With 64 layers, the measured share of the particles that stay in their layer has
 /// an error of 0.02.
 const LAYERS: f64 = 64.0;
-/// Smallest number of layers along y for which mixing is measured. With fewer layers, too many particles are in one
-/// layer at both instants by chance.
+/// Smallest number of layers along y for which mixing is measured. With fewer layers, too many particles are by chance
+/// in the layer in which they were earlier.
 const FEWEST_LAYERS: f64 = 4.0;
-/// Number of equal intervals of the run. The sums over the layers are stored at the ends of these intervals. The sums
-/// at one of these instants are compared with those at the end of the run.
+/// Number of equal intervals of the run. At the ends of these intervals, the random signs of the particles are summed
+/// in each layer. The sums at one of these instants are compared with those at the end of the run.
 const MARKS: u64 = 8;
 
 /// Sums of the random signs of the particles in each layer at one instant.
@@ -41,13 +41,13 @@ struct LayerSample {
 pub struct Mixing {
     layers: usize,
     height: f64,
-    /// [s] time between two instants at which sums are stored.
+    /// [s] time between two instants at which the signs of the particles are summed.
     interval: f64,
     marks: Vec<LayerSample>,
 }
 
 impl Mixing {
-    /// Creates an observer for a run with the given schedule, before the start of the run.
+    /// Creates the observer before the start of the run. `schedule` contains the instants of measurement.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let height = experiment.scene.domain.size.y;
         let largest = experiment.scene.species.iter().map(|species| species.diameter).fold(0.0, f64::max);
@@ -62,9 +62,9 @@ impl Mixing {
     }
 
     /// [-] share of the particles that are in the same layer at two instants, reduced by the share expected by chance.
-    /// The instants are the first stored one at or after `from` [s] (if none is left before the end, the latest stored
-    /// one), and the end of the run. The value is 1 for a bed at rest and 0 for a gas that mixes. `None` if there are
-    /// too few layers or particles, or if the share expected by chance is 75 % or more.
+    /// One instant is the end of the run. The other is the first stored instant at or after `from` [s], or, if there
+    /// is none before the end, the latest stored one. The value is 1 for a bed at rest and 0 for a gas that mixes.
+    /// `None` if there are too few layers or particles, or if the share expected by chance is 75 % or more.
     pub fn remembered(&self, from: f64) -> Option<f64> {
         let last = self.marks.last()?;
         let mut before = self.marks.iter().filter(|mark| mark.time < last.time);

@@ -94,9 +94,9 @@ use plain_data;
 pub enum Needs {
     /// The observer requires no particles.
     Nothing,
-    /// Sums over all particles, computed with [`Simulation::sample`], and records that are documented as sums. At a
-    /// sample (instant of measurement), every process calls its copy of the observer with its own particles. Only the
-    /// simulation of the lead process (process 0) has the records of the whole run.
+    /// Sums over all particles, computed with [`Simulation::sample`], and records of events whose documentation says
+    /// that they are sums. At a sample (instant of measurement), every process calls its copy of the observer with its
+    /// own particles. Only the simulation of the lead process (process 0) has the records of the whole run.
     Sums,
     /// If several processes share the run, the particles of each process, for the copy of the observer in that process.
     /// Otherwise all particles. Unlike with `Sums`, the observer may be called at any time, and the records are not
@@ -112,9 +112,10 @@ pub enum Needs {
 ///
 /// Every closure that takes a `&Simulation` is an observer that is called at every sample (instant of measurement).
 pub trait Observer: Send {
-    /// [s] next time after `now` [s] at which the observer is to be called; `None` if it is not to be called again. The
-    /// call comes at the end of the first window (time between two exchanges with the gas) that reaches this time.
-    /// Every observer is also called at the start. The default is the time of the next sample.
+    /// [s] next time after `now` [s] at which the observer is to be called; `None` if it is not to be called again.
+    /// The call comes at the end of the first window (time between two exchanges with the gas) that reaches this time.
+    /// Every observer is also called at the start. The default is the time of the next sample (instant of
+    /// measurement).
     fn next(&self, now: f64, schedule: &Schedule) -> Option<f64> {
         Some(now + schedule.interval())
     }

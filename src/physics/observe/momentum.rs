@@ -8,8 +8,8 @@ use crate::statistics::{Estimate, estimate};
 use serde::{Deserialize, Serialize};
 
 /// Mean streamwise (z) forces on all particles together [N], positive along z, over the averaging period. A force is
-/// `None` if the period contains fewer than two samples. In a steady flow the forces, together with the momentum per
-/// time through inlets and outlets, add up to zero.
+/// `None` if the period contains fewer than two instants of measurement. In a steady flow the forces, together with
+/// the momentum per time through inlets and outlets, add up to zero.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Balance {
     /// [N] mean drag force of the gas on all particles along z.
@@ -26,7 +26,7 @@ pub struct Balance {
     pub residual: Option<Estimate>,
 }
 
-/// Streamwise (z) momentum that all particles have received from the start to every sample.
+/// Streamwise (z) momentum that all particles have received from the start to every sample (instant of measurement).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MomentumBooks {
     /// [s] time between two samples (instants of measurement).
@@ -34,26 +34,28 @@ pub struct MomentumBooks {
     /// [N] weight minus buoyancy of all particles, along z; `None` if it changes, because particles come and go or
     /// species differ in buoyancy.
     weight: Option<f64>,
-    /// [kg m/s] momentum along z that particles have received by weight and buoyancy since the start, at every sample.
+    /// [kg m/s] momentum along z that weight and buoyancy have given to particles, from the start to every
+    /// measurement.
     gravity: Vec<f64>,
-    /// [kg m/s] momentum along z that particles have received by drag since the start, at every sample.
+    /// [kg m/s] momentum along z that drag has given to particles, from the start to every measurement.
     drag: Vec<f64>,
-    /// [kg m/s] momentum along z that particles have received from walls since the start, at every sample.
+    /// [kg m/s] momentum along z that walls have given to particles, from the start to every measurement.
     wall: Vec<f64>,
-    /// [kg m/s] momentum that particles have brought in through inlets, minus that taken out through outlets, since the
-    /// start, at every sample.
+    /// [kg m/s] momentum along z that particles have brought in through inlets, minus that taken out through outlets,
+    /// from the start to every measurement.
     flow: Vec<f64>,
 }
 
 impl MomentumBooks {
-    /// Creates an observer for a run with the given schedule.
+    /// Creates the observer before the start of a run. `schedule` contains the instants of measurement.
     pub fn new(schedule: &Schedule) -> Self {
         let interval = schedule.interval();
         let [gravity, drag, wall, flow] = [const { Vec::new() }; 4];
         Self { interval, weight: Some(0.0), gravity, drag, wall, flow }
     }
 
-    /// Mean streamwise forces on all particles from the sample with the index `first` to the end.
+    /// Mean streamwise forces on all particles from the sample (instant of measurement) with the index `first` to the
+    /// end.
     pub fn balance(&self, first: usize) -> Balance {
         let forces = |impulses: &[f64]| -> Vec<f64> {
             impulses.windows(2).skip(first).map(|pair| (pair[1] - pair[0]) / self.interval).collect()

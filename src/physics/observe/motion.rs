@@ -14,24 +14,24 @@ pub struct Motion {
     /// Number of slices along y. Velocities in the granular temperature are relative to the mean velocity of their
     /// slice.
     slices: usize,
-    /// [s] simulated times of the samples.
+    /// [s] simulated times of the samples (instants of measurement).
     times: Vec<f64>,
-    /// [m/s] mean velocity of all particles at every sample.
+    /// [m/s] mean velocity of all particles at every instant of measurement.
     velocity: Vec<Vector3<f64>>,
-    /// [m²/s²] mean square of the velocity relative to the mean velocity of all particles, at every sample. It changes
-    /// while the agitation or the velocity profile changes.
+    /// [m²/s²] mean square of the velocity relative to the mean velocity of all particles, at every instant of
+    /// measurement. It changes while the agitation or the velocity profile changes.
     agitation: Vec<f64>,
-    /// [m²/s²] parts of the granular temperature along x, y and z at every sample; `None` at samples with too few
-    /// particles.
+    /// [m²/s²] parts of the granular temperature along x, y and z at every instant of measurement; `None` where the
+    /// particles are too few.
     temperature: Vec<Option<Vector3<f64>>>,
-    /// Mean position [m] along x, y and z, and mean square of y [m²], at every sample.
+    /// Mean position [m] along x, y and z, and mean square of y [m²], at every instant of measurement.
     place: Vec<[f64; 4]>,
-    /// Numbers of impacts since the start at every sample: first impacts between particles, then impacts on walls.
+    /// Numbers of impacts between particles, and on walls, from the start to every instant of measurement.
     impacts: Vec<[u64; 2]>,
-    /// Number of particles at each sample. The list is empty in a scene without inlets and outlets.
+    /// Number of particles at every instant of measurement; empty in a scene without inlets and outlets.
     counts: Vec<f64>,
-    /// Stress that opposes the shear of a sheared box, at every sample: its kinetic part [Pa], and the time integral of
-    /// its contact part since the start [Pa s]. The list is empty without shear.
+    /// Stress that opposes the shear of a sheared box, at every instant of measurement: its kinetic part [Pa], and the
+    /// time integral of its contact part since the start [Pa s]. The list is empty without shear.
     stress: Vec<[f64; 2]>,
     /// True for each axis that is not periodic. Mean positions are tested only along such axes.
     bounded: [bool; 3],
@@ -46,7 +46,7 @@ pub struct Motion {
 
 /// Quantity that is tested for a steady state, with its values in SI units at every sample (instant of measurement).
 pub struct Followed {
-    /// Value at every sample.
+    /// Value at every instant of measurement.
     pub values: Vec<f64>,
     /// Scale of the quantity, in its unit. Regular changes below a thousandth of the scale do not count as a drift.
     pub scale: f64,
@@ -66,7 +66,7 @@ impl Followed {
 const PLACE: f64 = 0.01;
 
 impl Motion {
-    /// Creates the measurement for the particles of an experiment, before any sample.
+    /// Creates the measurement for the particles of an experiment, before the start of its run.
     pub fn new(experiment: &Experiment) -> Self {
         let domain = &experiment.scene.domain;
         Self {
@@ -88,7 +88,7 @@ impl Motion {
 
     /// Start of averaging, which is given or detected, and the result of the test for a steady state from this start
     /// on. The test covers agitation, velocity, temperature, positions, number of particles and impact rates. `more`
-    /// contains further quantities, measured by other observers at the same samples.
+    /// contains further quantities, measured by other observers at the same instants.
     pub fn steadiness(&self, asked: AverageFrom, more: Vec<Followed>) -> Steadiness {
         let from = match asked {
             AverageFrom::Time(from) => Some(from),
@@ -98,8 +98,8 @@ impl Motion {
         judge(&self.times, &all.iter().map(Followed::series).collect::<Vec<_>>(), from)
     }
 
-    /// All quantities that are tested for a steady state, at every sample: agitation; velocity, temperature and
-    /// position along each axis; number of particles; impact rates.
+    /// All quantities that are tested for a steady state, at every instant of measurement: agitation; velocity,
+    /// temperature and position along each axis; number of particles; impact rates.
     fn series(&self) -> Vec<Followed> {
         // if momentum is conserved, the mean velocity changes only by rounding errors, which are small compared with
         // the agitation
@@ -131,13 +131,14 @@ impl Motion {
         all
     }
 
-    /// Index of the first sample at `from` [s] or later. If all samples are earlier, the number of samples.
+    /// Index of the first sample (instant of measurement) at `from` [s] or later. If all samples are earlier, the
+    /// number of samples.
     pub fn first(&self, from: f64) -> usize {
         self.times.iter().position(|time| *time >= from).unwrap_or(self.times.len())
     }
 
-    /// [m²/s²] granular temperature, averaged from the sample with the index `first` to the end. `None` if the
-    /// temperature is unknown at one of these samples.
+    /// [m²/s²] granular temperature, averaged from the sample (instant of measurement) with the index `first` to the
+    /// end. `None` if the temperature is unknown at one of these samples.
     pub fn temperature(&self, first: usize) -> Option<Estimate> {
         estimate(&self.temperatures(first)?)
     }
@@ -146,8 +147,9 @@ impl Motion {
         self.temperature.iter().skip(first).map(|parts| parts.map(|parts| parts.sum() / 3.0)).collect()
     }
 
-    /// Stress [Pa] that opposes the shear of a sheared box, averaged over blocks of time from the sample with the index
-    /// `first` on. `None` without shear. The kinetic part of an interval is the mean of the values at its ends.
+    /// Stress [Pa] that opposes the shear of a sheared box, averaged over blocks of time from the sample (instant of
+    /// measurement) with the index `first` on. `None` without shear. The kinetic part of an interval between two
+    /// samples is the mean of the values at its ends.
     pub fn stress_batches(&self, first: usize) -> Option<Batches> {
         let interval = self.times.get(1)? - self.times.first()?;
         let total = |pair: &[[f64; 2]]| 0.5 * (pair[0][0] + pair[1][0]) + (pair[1][1] - pair[0][1]) / interval;
@@ -155,8 +157,8 @@ impl Motion {
         Batches::of_series(&totals, interval, *self.times.get(first)? + interval)
     }
 
-    /// Granular temperature [m²/s²], averaged over blocks of time from the sample with the index `first` on. `None` if
-    /// the temperature is unknown at one of these samples.
+    /// Granular temperature [m²/s²], averaged over blocks of time from the sample (instant of measurement) with the
+    /// index `first` on. `None` if the temperature is unknown at one of these samples.
     pub fn batches(&self, first: usize) -> Option<Batches> {
         let interval = self.times.get(1)? - self.times.first()?;
         Batches::of_series(&self.temperatures(first)?, interval, *self.times.get(first)?)

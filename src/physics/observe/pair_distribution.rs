@@ -33,7 +33,7 @@ const FURTHEST: f64 = 1.0 + NEAR as f64 * NEAR_WIDTH;
 /// Numbers of pairs of particles in bins of their distance at one instant, for each pair of species.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct PairSample {
-    /// [s] simulated time of the sample.
+    /// [s] simulated time at which the pairs are counted.
     time: f64,
     /// Number of pairs of particles in each bin of the distance, for each pair of species in the order of [`index`].
     bins: Vec<Vec<u64>>,
@@ -57,7 +57,7 @@ impl PairSample {
 /// Measurement of the pair distribution g(r) of the centres at samples (instants of measurement).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PairDistribution {
-    /// [s] time between two samples that are used.
+    /// [s] time between two instants at which the pairs are counted.
     interval: f64,
     /// [m] largest distance of two centres that is counted in the bins of the histogram.
     reach: f64,
@@ -85,7 +85,7 @@ fn shell(inner: f64, outer: f64) -> f64 {
 }
 
 impl PairDistribution {
-    /// Creates a measurement for an experiment that runs with the given schedule.
+    /// Creates the measurement for a run of `experiment`. `schedule` contains the instants of measurement.
     pub fn new(experiment: &Experiment, schedule: &Schedule, settings: PairDistributionSettings) -> Self {
         let species = &experiment.scene.species;
         let contact = |[a, b]: [usize; 2]| {
@@ -103,9 +103,9 @@ impl PairDistribution {
         }
     }
 
-    /// Pair distribution g [-] in each bin of the distance, averaged over `samples`; `None` without samples. `counts`
-    /// returns the number of pairs in a bin of one sample. `share` [m³] is the volume of the box divided by the number
-    /// of all pairs.
+    /// Pair distribution g [-] in each bin of the distance, averaged over `samples` (instants of measurement); `None`
+    /// if they are empty. `counts` returns the number of pairs in a bin at one instant. `share` [m³] is the volume of
+    /// the box divided by the number of all pairs.
     fn curve(
         &self,
         samples: &[&PairSample],
@@ -123,7 +123,7 @@ impl PairDistribution {
 
     /// Pair distribution g [-] extrapolated to contact, where the centres have the distance `contact` [m]. `pair` is
     /// the index of the pair of species. `share` [m³] is the volume of the box divided by the number of pairs of these
-    /// species. There is one value for each sample. `None` if the extrapolation has no unique solution.
+    /// species. There is one value for each of the `samples`. `None` if the extrapolation has no unique solution.
     fn at_contact(&self, samples: &[&PairSample], pair: usize, contact: f64, share: f64) -> Option<Vec<f64>> {
         let weights = weights_at_contact()?;
         let edge = |k: usize| contact * (1.0 + k as f64 * NEAR_WIDTH);

@@ -38,7 +38,7 @@ pub struct Paths {
 }
 
 impl Paths {
-    /// Creates an observer for a run with the given schedule.
+    /// Creates the observer before the start of a run. The instants of recording are chosen from those of `schedule`.
     pub fn new(schedule: &Schedule) -> Self {
         Self { interval: interval(schedule, INSTANTS, INSTANTS), points: Vec::new() }
     }

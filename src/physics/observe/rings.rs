@@ -51,8 +51,8 @@ fn pipe(scene: &Scene) -> Option<&Pipe> {
 }
 
 impl Rings {
-    /// Creates an observer for an experiment, before any sample. The case gives the number of rings as its number of
-    /// slices.
+    /// Creates an observer for an experiment, before the start of its run. The case gives the number of rings as its
+    /// number of slices.
     pub fn new(experiment: &Experiment) -> Self {
         let count = experiment.statistics.slices;
         // with the square of the radius as coordinate, rings of equal area are slices of equal height
@@ -60,7 +60,7 @@ impl Rings {
         Self { profiles, count }
     }
 
-    /// Averages in rings about the axis of a pipe over the samples from the time `from` [s] on.
+    /// Averages in rings about the axis of a pipe, from the time `from` [s] to the end of the run.
     pub fn averages(&self, scene: &Scene, from: f64) -> RingAverages {
         /// Number of circles about the axis in each ring on which the gas velocity is evaluated.
         const CIRCLES: usize = 16;

@@ -9,7 +9,8 @@ use crate::simulation::{Simulation, Snapshot};
 use crate::stored::{StoreError, Stored};
 use serde::{Deserialize, Serialize};
 
-/// Loop over a run: its position in the schedule, and the next times of the observers.
+/// Loop over a run: its position in the sequence of windows (times between two exchanges with the gas), and the next
+/// time at which each observer (measurement) is called.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunLoop {
     schedule_position: SchedulePosition,
@@ -21,7 +22,7 @@ pub struct RunLoop {
 /// run has the results of an uninterrupted run, bit by bit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pause {
-    /// State of the simulation at the pause.
+    /// State of the simulation at the instant at which the run was stopped.
     pub snapshot: Snapshot,
     schedule_position: RunLoop,
     observers: Vec<Stored>,
@@ -111,8 +112,9 @@ impl RunLoop {
         }
     }
 
-    /// Adds the missing half-kick (change of velocity by drag and heat in half a window) to a run that was stopped
-    /// between two samples (instants of measurement). A caller that does not continue the run must call this function.
+    /// Adds the missing half-kick (change of velocity by drag and heat in half a window, the time between two
+    /// exchanges with the gas) to a run that was stopped between two samples (instants of measurement). A caller that
+    /// does not continue the run must call this function.
     pub fn finish_half_kick(&self, simulation: &mut Simulation) {
         simulation.finish_half_kick(self.schedule_position.window());
     }

@@ -42,7 +42,7 @@ const BLOCKS: usize = 20;
 pub struct Terms<T> {
     /// [m²/s³] production of the moment by the gradient of the mean velocity along y.
     pub production: T,
-    /// [m²/s³] transport from other slices by velocity fluctuations along y.
+    /// [m²/s³] transport of the moment from other slices along y by velocity fluctuations.
     pub transport: T,
     /// [m²/s³] rate of change of the moment by the drag of the gas.
     pub drag: T,
@@ -69,15 +69,15 @@ impl<T> From<[T; 5]> for Terms<T> {
 /// Arrays of four are in the order of [`MOMENTS`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Budgets {
-    /// Centre y [m] of each slice, and the terms of the budgets of the four moments in this slice.
+    /// Centre y [m] of each slice, and the rates of change of the four moments in this slice by each process.
     pub slices: Vec<(f64, [Terms<Estimate>; 4])>,
-    /// Terms of the budgets of the four moments, averaged over all particles.
+    /// Rates of change of the four moments by each process, averaged over all particles.
     pub whole: [Terms<Estimate>; 4],
-    /// [m²/s³] rate of change of uu + ww by friction at walls, averaged over all particles. It is a part of the impact
-    /// terms of uu and ww.
+    /// [m²/s³] rate of change of the sum of the moments uu + ww by friction at walls, averaged over all particles. It
+    /// is contained in the impact terms of uu and ww.
     pub wall_friction: Estimate,
-    /// [m²/s³] rate of change of vv by the restitution of walls, averaged over all particles. It is a part of the
-    /// impact term of vv.
+    /// [m²/s³] rate of change of the moment vv by the restitution of walls, averaged over all particles. It is
+    /// contained in the impact term of vv.
     pub wall_restitution: Estimate,
     /// [s] simulated time at which the averaging period begins.
     pub from: f64,
@@ -91,13 +91,13 @@ struct MomentSums {
     velocity: Vector3<f64>,
     /// [m²/s²] sums of the products v_i v_j of velocity components; i is the row.
     square: [[f64; 3]; 3],
-    /// [m³/s³] sums of v_i v_j v for the four moments, with the wall-normal velocity v.
+    /// [m³/s³] sums of v_i v_j v for the four moments in [`MOMENTS`], with the wall-normal velocity v.
     carried: [f64; 4],
     acceleration: Vector3<f64>,
-    /// [m²/s³] sums of a_i v_j + a_j v_i for the four moments, with the acceleration a by drag.
+    /// [m²/s³] sums of a_i v_j + a_j v_i for the four moments in [`MOMENTS`], with the acceleration a by drag.
     drag: [f64; 4],
     jump: Vector3<f64>,
-    /// [m²/s²] sums of the changes of v_i v_j by impacts, for the four moments.
+    /// [m²/s²] sums of the changes of v_i v_j by impacts, for the four moments in [`MOMENTS`].
     jumps: [f64; 4],
 }
 
@@ -188,15 +188,15 @@ impl MomentSums {
     }
 }
 
-/// Sums over the particles of each slice in one part of the run.
+/// Sums over the particles of each slice in one of the equal parts into which a run is divided.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct MomentBlock {
-    /// [s] simulated time at which the part begins.
+    /// [s] simulated time at which this part of the run begins.
     start: f64,
     windows: u64,
     slices: Vec<MomentSums>,
     /// Energy lost to friction at walls [J], energy lost to restitution at walls [J], and streamwise momentum given by
-    /// walls [kg m/s], in this part.
+    /// walls to the particles [kg m/s], in this part of the run.
     walls: [f64; 3],
 }
 
@@ -208,8 +208,8 @@ pub struct SecondMoments {
     schedule: Schedule,
     mass: f64,
     height: f64,
-    /// [m/s] velocity (u, v, w) that is subtracted from all velocities: mean velocity of the particles at the first
-    /// call.
+    /// [m/s] velocity (u, v, w) that is subtracted from all velocities: the mean velocity of the particles at the
+    /// first call of the observer.
     reference: Vector3<f64>,
     /// [m/s] velocities (u, v, w) of the particles, relative to `reference`, at the start of the next window (time
     /// between two exchanges with the gas). They are indexed by the ids of the particles.
@@ -232,7 +232,7 @@ fn drag(fluid: &Fluid, sphere: &crate::drag::Sphere, place: &Vector3<f64>, veloc
 }
 
 impl SecondMoments {
-    /// Creates an observer with the given number of slices (at least one) for a run with the given schedule.
+    /// Creates an observer with the given number of slices along y (at least one), before the start of a run.
     pub fn new(slices: usize, schedule: &Schedule) -> Self {
         Self {
             slices: slices.max(1),
@@ -246,8 +246,9 @@ impl SecondMoments {
         }
     }
 
-    /// Budgets (rates at which single processes change the second moments), averaged over the parts of the run that
-    /// begin at `from` [s] or later. `None` if there are no such parts, or if a slice contained no particle.
+    /// Budgets (rates at which single processes change the second moments), averaged over those of the equal parts of
+    /// the run that begin at `from` [s] or later. `None` if there are no such parts, or if a slice contained no
+    /// particle.
     pub fn budgets(&self, from: f64) -> Option<Budgets> {
         let used: Vec<&MomentBlock> = self.parts.iter().filter(|part| part.start >= from * (1.0 - 1e-9)).collect();
         let from = used.first()?.start;

@@ -15,13 +15,14 @@ use serde::{Deserialize, Serialize};
 /// Largest number of samples (instants of measurement) that are used; in a longer run the used samples are further
 /// apart.
 const MOST_SAMPLES: u64 = 1000;
-/// Number of sums over the particles of a slice.
+/// Number of sums over the particles of a slice: the number of particles, two of velocities and five of products of
+/// velocities.
 const SUMS: usize = 8;
 
-/// Sums over the particles of each slice at one instant.
+/// Sums over the particles of each slice along y at one instant, for means of the gas velocity at the particles.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct SeenGasSample {
-    /// [s] simulated time of the sample.
+    /// [s] simulated time at which the particles are measured.
     time: f64,
     /// For each slice, sums over its particles: the number 1; u along z and y [m/s]; u² along z, y and x, 2k/3 and
     /// **u**·(**v** - **U**)/3 [m²/s²]. **u** is the fluctuation of the gas velocity at a particle, k the turbulent
@@ -32,7 +33,7 @@ struct SeenGasSample {
 /// Measurement of the fluctuation of the gas velocity at the particles.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SeenGas {
-    /// [s] time between the used samples.
+    /// [s] time between two instants of measurement.
     interval: f64,
     /// Number of slices of equal width along y.
     slices: usize,
@@ -40,8 +41,8 @@ pub struct SeenGas {
 }
 
 impl SeenGas {
-    /// Creates a measurement for an experiment that runs with the given schedule. Its slices are those of
-    /// `profiles.csv`.
+    /// Creates the measurement for a run of `experiment`. Its slices are those of `profiles.csv`. `schedule` contains
+    /// the instants of measurement.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let slices = experiment.statistics.slices;
         Self { interval: schedule.spacing(MOST_SAMPLES), slices, samples: Vec::new() }

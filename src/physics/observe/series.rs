@@ -16,12 +16,12 @@ use serde::{Deserialize, Serialize};
 /// Largest number of rows (instants) of a time series, for runs of any duration. A picture cannot show more rows.
 const MOST: u64 = 1000;
 
-/// Smallest number of rows (instants) that is sufficient for a curve over time. A scene with few particles and fewer
-/// samples gets this number of rows.
+/// Smallest number of rows (instants) that is sufficient for a curve over time. A scene with few particles gets this
+/// number of rows even if it has fewer samples (instants of measurement).
 const CURVE: u64 = 200;
 
-/// Largest number of particles for which the rows of a time series may be more frequent than samples. A row of so few
-/// particles takes little computing time.
+/// Largest number of particles for which rows of a time series may be more frequent than samples (instants of
+/// measurement). A row of so few particles takes little computing time.
 const FEW: usize = 10_000;
 
 /// Averages over all particles at one instant: a row of the time series.
@@ -42,16 +42,17 @@ pub struct Row {
     pub rotation: Option<RotationSums>,
     /// Losses by friction, and energies of springs in contacts; `None` if spheres do not rotate.
     pub friction: Option<FrictionSums>,
-    /// Turbulence at the positions of the particles; `None` if only the mean velocity of the gas acts on them.
+    /// Turbulence of the gas at the positions of the particles; `None` if turbulence does not act on the particles.
     pub turbulence: Option<TurbulenceMeans>,
-    /// Means over a gas on which the particles act; `None` if the particles do not change the gas flow.
+    /// Flow of a gas on which the particles act; `None` if the particles do not change the gas flow.
     pub gas: Option<GasMeans>,
     /// Stress in a sheared box; `None` without shear.
     pub shear: Option<ShearStress>,
-    /// State of the first servo wall; `None` without servo walls.
+    /// State of the first servo wall, a wall that moves so that the pressure on it is constant; `None` without servo
+    /// walls.
     pub servo: Option<ServoState>,
-    /// [J] energy that a thermostat and thermal walls have given to the particles since the start; `None` without any
-    /// of them.
+    /// [J] energy that a thermostat (heating of particles from outside) and thermal walls have given to the particles
+    /// since the start; `None` without any of them.
     pub thermostat_work: Option<f64>,
     /// Number of particles at this instant; `None` in a scene without inlets and outlets.
     pub particles: Option<u64>,
@@ -83,7 +84,8 @@ pub struct ShearStress {
     /// [Pa] kinetic part of the stress: Σ m c_y c_z divided by the volume of the box, with the masses m of the
     /// particles and their velocities c relative to the mean flow.
     pub kinetic: f64,
-    /// [Pa] contact part of the stress, averaged over the time since the previous row; `None` in the first row.
+    /// [Pa] part of the stress by contacts and collisions, averaged over the time since the previous row of the time
+    /// series; `None` in the first row.
     pub contact: Option<f64>,
     /// [J s] time integral of Σ r_y f_z since the start, over the pairs in contact, with the vector r between their
     /// centres and the force f. For a collision, the impulse takes the place of the time integral of f.
@@ -92,7 +94,7 @@ pub struct ShearStress {
 
 impl ShearStress {
     /// Returns the stress in a sheared box at the present instant; `None` without shear. `before` is the previous row
-    /// of the series.
+    /// of the time series; `None` at the start.
     pub(super) fn of(simulation: &Simulation, before: Option<&Row>) -> Option<Self> {
         let domain = &simulation.scene().domain;
         domain.shear?;
@@ -232,9 +234,8 @@ impl Row {
         self.rotation.map(|rotation| rotation.temperature.sum() / 3.0)
     }
 
-    /// Returns the averages over all particles at the present instant. `before` is the previous row of the series.
-    /// `slices` is the number of slices along y. The granular temperature is relative to the mean velocities of these
-    /// slices.
+    /// Returns the averages over all particles at the present instant. `before` is the previous row of the time
+    /// series. The granular temperature is relative to the mean velocities of `slices` equal slices along y.
     fn of(simulation: &Simulation, slices: usize, before: Option<&Self>) -> Self {
         let (time, sample) = (simulation.time, simulation.sample());
         let touching = simulation.touching();
@@ -255,9 +256,10 @@ impl Row {
         }
     }
 
-    /// Returns the averages over the particles of a sample at `time` [s], with 0 for contacts and impacts. The granular
-    /// temperature is relative to the mean velocities of `slices` equal slices along y. `reference` [m/s] is a velocity
-    /// near the mean. In a sheared box, temperature and mean velocity are relative to the mean flow.
+    /// Returns the averages over the particles of `sample` at `time` [s], with 0 for contacts and impacts. The
+    /// granular temperature is relative to the mean velocities of `slices` equal slices along y. Sums are taken
+    /// relative to `reference` [m/s], a velocity near the mean. In a sheared box, temperature and mean velocity are
+    /// relative to the mean flow.
     pub fn of_sample(time: f64, sample: Sample, reference: Vector3<f64>, (domain, slices): (&Domain, usize)) -> Self {
         let relative = sample.particles.relative_to_flow(domain);
         let spread = VelocitySpread::about(reference, sample.with(&relative), slices, domain.size.y);
@@ -351,7 +353,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// Creates an observer for an experiment that runs with the given schedule.
+    /// Creates the observer for a run of `experiment`. The instants of the rows are chosen from those of `schedule`.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let least = if experiment.count() <= FEW { CURVE } else { 0 };
         Self {

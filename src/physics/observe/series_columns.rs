@@ -18,7 +18,8 @@ pub struct SeriesColumn {
     /// Scale by which differences of the quantity between two runs are divided in a verdict (test whether the runs
     /// differ); `None` if verdicts do not compare the quantity.
     pub scale: Option<CurveScale>,
-    /// Function that returns the quantity of a row; `None` if the scene does not have it.
+    /// Function that returns the quantity of a row (an instant of the run). It returns `None` if the scene does not
+    /// have the quantity.
     pub of: fn(&Row) -> Option<f64>,
 }
 
@@ -133,7 +134,8 @@ pub const GAS_COLUMNS: [SeriesColumn; 4] = [
     sum("gas_momentum_z_kg_m_s", "momentum of the gas along z", "kg m/s", |row| row.gas.map(|gas| gas.momentum)),
 ];
 
-/// Further columns of `series.csv` for scenes with servo walls: state of the first of these walls.
+/// Further columns of `series.csv` for scenes with servo walls (walls on which the pressure is kept constant): state
+/// of the first of these walls.
 pub const SERVO_COLUMNS: [SeriesColumn; 3] = [
     mean("servo_displacement_m", "displacement of the servo wall", "m", |row| row.servo.map(|of| of.displacement)),
     mean("servo_speed_m_s", "speed of the servo wall", "m/s", |row| row.servo.map(|of| of.speed)),

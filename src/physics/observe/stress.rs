@@ -19,7 +19,7 @@ use std::ops::Range;
 const MOST_SAMPLES: u64 = 400;
 
 /// Time averages of the stress in the particles, with components in the order xx, yy, zz, xy, xz, yz. Compression is
-/// positive. An average is `None` if there are too few samples.
+/// positive. An average is `None` if the run has too few instants of measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Stress {
     /// [Pa] kinetic part: Σ m c c over all particles, divided by the volume of the box. m is the mass of a particle,
@@ -57,12 +57,12 @@ struct StressSample {
     filled: Vec<f64>,
 }
 
-/// Measurement of the stress and the volume fraction at samples (instants of measurement).
+/// Measurement of the stress and the volume fraction at several instants of a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Stresses {
-    /// Number n: every n-th sample of the run is used.
+    /// Number n: every n-th sample (instant of measurement) of the run is used.
     every: u64,
-    /// [s] time between two samples that are used.
+    /// [s] time between two used samples (instants of measurement).
     interval: f64,
     slices: usize,
     /// [m³] volume of the box, by which the sums are divided.
@@ -72,7 +72,7 @@ pub struct Stresses {
 }
 
 impl Stresses {
-    /// Creates an observer of an experiment that runs with the given schedule.
+    /// Creates the observer for a run of `experiment`. `schedule` contains the instants of measurement.
     pub fn new(experiment: &Experiment, schedule: &Schedule) -> Self {
         let every = schedule.samples.div_ceil(MOST_SAMPLES).max(1);
         Self {
@@ -85,7 +85,8 @@ impl Stresses {
         }
     }
 
-    /// Time averages of the stress from the sample of the run with the index `first` to the end.
+    /// Time averages of the stress from the sample (instant of measurement) of the run with the index `first` to the
+    /// end.
     pub fn averages(&self, first: usize) -> Stress {
         let samples = self.samples.get(first.div_ceil(self.every as usize)..).unwrap_or_default();
         let kinetic = |k: usize| samples.iter().map(|sample| sample.kinetic[k] / self.volume).collect::<Vec<_>>();

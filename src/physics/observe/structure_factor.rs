@@ -18,22 +18,22 @@ use std::f64::consts::PI;
 /// Largest number of samples (instants of measurement) that are used. In a run with more samples, only every n-th
 /// sample is used.
 const MOST_SAMPLES: u64 = 400;
-/// Largest number of wave vectors that are used in a bin of the wave number. More vectors of one sample would hardly be
-/// statistically independent.
+/// Largest number of wave vectors that are used in a bin of the wave number. More vectors at one instant would hardly
+/// be statistically independent.
 const MOST_VECTORS: usize = 24;
 
 /// Structure factor S at one instant, averaged over the wave vectors of each bin of the wave number.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct StructureSample {
-    /// [s] simulated time of the sample.
+    /// [s] simulated time at which the structure factor is measured.
     time: f64,
     bins: Vec<f64>,
 }
 
-/// Measurement of the static structure factor S(k) at samples (instants of measurement).
+/// Measurement of the static structure factor S(k) at several instants of a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StructureFactor {
-    /// [s] time between two samples that are used.
+    /// [s] time between two instants of measurement.
     interval: f64,
     /// [1/m] wave vectors of each bin of the wave number, in increasing order of the bins. Bins without a vector are
     /// left out.
@@ -70,7 +70,7 @@ fn wave_vectors(domain: &Domain, largest: f64, bins: usize) -> Vec<Vec<Vector3<f
 }
 
 impl StructureFactor {
-    /// Creates a measurement for an experiment that runs with the given schedule.
+    /// Creates the measurement for a run of `experiment`. `schedule` contains the instants of measurement.
     pub fn new(experiment: &Experiment, schedule: &Schedule, settings: StructureFactorSettings) -> Self {
         let largest = 2.0 * PI / settings.wavelength;
         Self {

@@ -145,20 +145,21 @@ impl Sonine {
 }
 
 /// Histograms of the velocities at one instant. Velocities are relative to the mean velocities of slices, in units of
-/// sqrt(2T).
+/// sqrt(2T) with the granular temperature T.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct VelocitySample {
-    /// [s] simulated time of the sample.
+    /// [s] simulated time at which the velocities are measured.
     time: f64,
     sonine: Option<Sonine>,
-    /// Share of the particles [-] in each bin: first of the speed c, then of the component |c_x|.
+    /// Share of the particles [-] in each bin: first of the speed c, then of the component |c_x|. Velocities are in
+    /// units of sqrt(2T) with the granular temperature T.
     bins: Vec<[f64; 2]>,
 }
 
-/// Measurement of the velocity distribution at samples (instants of measurement).
+/// Measurement of the distribution of the velocities at several instants of a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct VelocityDistribution {
-    /// [s] time between two samples that are used.
+    /// [s] time between two instants of measurement.
     interval: f64,
     /// Number of slices along y whose mean velocities are subtracted.
     slices: usize,
@@ -169,7 +170,7 @@ pub struct VelocityDistribution {
 }
 
 impl VelocityDistribution {
-    /// Creates a measurement for an experiment that runs with the given schedule.
+    /// Creates the measurement for a run of `experiment`. `schedule` contains the instants of measurement.
     pub fn new(experiment: &Experiment, schedule: &Schedule, settings: VelocityDistributionSettings) -> Self {
         Self {
             interval: schedule.spacing(MOST_SAMPLES),

@@ -29,13 +29,13 @@ use serde::{Deserialize, Serialize};
 const MOST_TIMES: usize = 100;
 
 /// [-] largest relative error of the trapezoidal rule that counts as small. The rule overestimates the integral of the
-/// autocorrelation exp(-t/τ) by the fraction (Δ/τ)²/12, with the time Δ between samples.
+/// autocorrelation exp(-t/τ) by the fraction (Δ/τ)²/12, with the time Δ between instants of measurement.
 const COARSEST: f64 = 0.01;
 
 /// Sums over all particles, at one instant, from which the viscosity follows.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct ViscositySample {
-    /// [s] simulated time of the sample.
+    /// [s] simulated time at which the sums are taken.
     time: f64,
     /// [J] kinetic sum Σ m c c over all particles, with the mass m and the velocity c relative to the mean velocity or
     /// mean flow.
@@ -48,7 +48,7 @@ struct ViscositySample {
 /// Measurement of the shear viscosity.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Viscosity {
-    /// [s] time between two samples.
+    /// [s] time between two samples (instants of measurement).
     interval: f64,
     /// Longest time t over which stresses are correlated, as a number of intervals between samples (instants of
     /// measurement). `None` in a sheared box.
@@ -57,14 +57,14 @@ pub struct Viscosity {
 }
 
 impl Viscosity {
-    /// Creates a measurement for a run with the given schedule.
+    /// Creates the measurement for a run. `schedule` contains the instants of measurement.
     pub fn new(schedule: &Schedule, settings: ViscositySettings) -> Self {
         let interval = schedule.interval();
         let longest = settings.duration.map(|duration| (duration / interval).round().max(2.0) as usize);
         Self { interval, longest, samples: Vec::new() }
     }
 
-    /// Samples at the time `from` [s] and later.
+    /// Samples (sums at instants of measurement) at the time `from` [s] and later.
     fn used(&self, from: f64) -> &[ViscositySample] {
         let first = self.samples.partition_point(|sample| sample.time < from);
         self.samples.get(first..).unwrap_or_default()
@@ -91,9 +91,9 @@ impl Viscosity {
     }
 
     /// Viscosity of a gas in equilibrium: the times t [s] of the curve, the viscosity [Pa s] at these times, and one
-    /// viscosity [Pa s] for each origin. An origin is a sample from which t is counted; its viscosity is computed from
-    /// times between half the longest t and the longest t. `longest` is the number of intervals between samples in the
-    /// longest t.
+    /// viscosity [Pa s] for each origin. An origin is an instant of measurement from which t is counted; its viscosity
+    /// is computed from times between half the longest t and the longest t. `longest` is the number of intervals
+    /// between instants of measurement in the longest t.
     fn at_rest(
         &self,
         experiment: &Experiment,
@@ -116,8 +116,8 @@ impl Viscosity {
         (times, ends.map(|ends| estimate(&growth(ends))).collect(), growth([longest / 2, longest]))
     }
 
-    /// [J s] five shear components of G, the time integral of stress times volume, at each sample. The integral begins
-    /// at the first of `samples`.
+    /// [J s] five shear components of G, the time integral of stress times volume, at each instant of measurement. The
+    /// integral begins at the first of `samples`.
     fn moments(&self, samples: &[ViscositySample]) -> Vec<[f64; 5]> {
         let mut moment = Matrix3::zeros();
         let mut all: Vec<[f64; 5]> = samples.first().map(|_| components(&moment)).into_iter().collect();
@@ -128,7 +128,8 @@ impl Viscosity {
         all
     }
 
-    /// True if the kinetic part changes so much between two samples that the trapezoidal rule has a noticeable error.
+    /// True if the kinetic part of the stress changes so much between two instants of measurement that the trapezoidal
+    /// rule for its integral has a noticeable error.
     fn is_coarse(samples: &[ViscositySample]) -> bool {
         let product = |one: &ViscositySample, other: &ViscositySample| -> f64 {
             components(&one.kinetic).iter().zip(components(&other.kinetic)).map(|(one, other)| one * other).sum()

@@ -41,8 +41,8 @@ fn contact_time(experiment: &Experiment) -> Option<f64> {
 impl Cooling {
     /// Makes a cooling gas of `count` particles that start with the granular temperature `temperature` [m²/s²]. `None`
     /// unless the scene is a periodic box of many equal spheres with constant restitution below 1. Friction, rotation,
-    /// drag, heating, shear, inlets, outlets, walls and the TC model also give `None`. For direct simulation Monte
-    /// Carlo without the Enskog factor, the collision rate is that of a dilute gas.
+    /// drag, heating, shear, inlets, outlets, walls and a contact time (TC model) also give `None`. For direct
+    /// simulation Monte Carlo without the Enskog factor, the collision rate is that of a dilute gas.
     pub fn of(experiment: &Experiment, count: usize, temperature: f64) -> Option<Self> {
         let scene = &experiment.scene;
         let [species] = scene.species.as_slice() else { return None };

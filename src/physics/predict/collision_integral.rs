@@ -105,7 +105,8 @@ pub fn viscosity_integral(softness: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Checks hard spheres: χ = π - 2 asin b, and the integral is 1, with the error of the three quadratures (1e-6).
+    /// Checks hard spheres, whose overlap is 0: the angle of deflection is χ = π - 2 asin b with the impact parameter
+    /// b, and the collision integral is 1, with the error of the three quadratures (1e-6).
     #[test]
     fn without_softness_spheres_are_hard() {
         for impact in [0.0, 0.3, 0.9, 0.999] {
@@ -115,9 +116,9 @@ mod tests {
         assert!((viscosity_integral(0.0) - 1.0).abs() < 1e-6, "{}", viscosity_integral(0.0));
     }
 
-    /// Checks that a head-on impact is reflected at any stiffness. In an oblique impact, the spheres turn about each
-    /// other during the contact, whose duration is π d a/u. To first order the angle of this turn is π a b, as follows
-    /// from the integral.
+    /// Checks that a head-on impact is reflected at any stiffness. In an oblique impact with the impact parameter b,
+    /// the spheres turn about each other during the contact. It lasts for π d a/u, with the diameter d, the overlap a
+    /// in diameters and the speed u. To first order the angle of this turn is π a b, as follows from the integral.
     #[test]
     fn contacts_that_last_turn_less() {
         assert!((deflection(0.0, 0.2) - PI).abs() < 1e-12);
@@ -152,8 +153,8 @@ mod tests {
         }
     }
 
-    /// Checks the decrease 1 - Ω^(2,2), which is π sqrt(2π)/4 s to first order (docs/theory/softness.md). Two values of
-    /// s, one half of the other, remove the second order.
+    /// Checks the decrease 1 - Ω^(2,2) of the collision integral, which is π sqrt(2π)/4 s to first order in the
+    /// softness s (docs/theory/softness.md). Two values of s, one half of the other, remove the second order.
     #[test]
     fn first_order_in_the_softness() {
         let lost = |s: f64| (viscosity_integral(0.0) - viscosity_integral(s)) / s;

@@ -13,8 +13,8 @@ use serde::Serialize;
 use std::f64::consts::PI;
 
 /// [-] largest allowed change of the distance of two colliding particles in one time step, over the diameter
-/// (CFL_p^col in the paper). The value is the lowest in the paper (Table 1, cases B and E). The limit applies at the
-/// normal speed that 99 % of the impacts do not exceed.
+/// (CFL_p^col in the paper, see `docs/paper.md`). The value is the lowest in the paper (Table 1, cases B and E). The
+/// limit applies at the normal speed that 99 % of the impacts do not exceed.
 const CFL_COLLISION: f64 = 0.01;
 
 /// [-] largest allowed displacement of a particle in one time step, over the cell size of the grid of the gas (CFL_p
@@ -130,9 +130,9 @@ impl ImpactSpeeds {
         }
     }
 
-    /// [m/s] mean relative speed u_r of the paper's Eq. 8, corrected: the mean of the normal relative speed over random
-    /// pairs. It is s sqrt(2/π), with the variance s² of the relative normal velocity; between equal spheres it is
-    /// sqrt(4T/π).
+    /// [m/s] mean relative speed u_r (Eq. 8 of the paper, see `docs/paper.md`, corrected): the mean of the normal
+    /// relative speed over random pairs. It is s sqrt(2/π), with the variance s² of the relative normal velocity;
+    /// between equal spheres it is sqrt(4T/π) with the granular temperature T.
     pub fn of_random_pairs(&self) -> f64 {
         match self {
             Self::Gas { variance, .. } | Self::Measured { variance, .. } => (2.0 / PI * variance).sqrt(),
@@ -150,11 +150,12 @@ pub struct ContactPrediction {
     pub contact: ContactKind,
     /// [N/m] stiffness of a linear spring; for Hertz's law the constant k_H [N/m^1.5].
     pub stiffness: f64,
-    /// [s] contact time T_c (the paper's Eq. 7). If it depends on the speed, it is the contact time at the mean speed
-    /// of impact.
+    /// [s] contact time T_c (Eq. 7 of the paper, see `docs/paper.md`). If it depends on the speed, it is the contact
+    /// time at the mean speed of impact.
     pub contact_time: f64,
     /// [-] overlap number κ_n: largest overlap of an elastic impact at the mean relative speed u_r, over the diameter
-    /// d. For a linear spring it is u_r/d sqrt(M/k_n), with u_r = sqrt(4T/π) by the paper's Eq. 8, corrected.
+    /// d. For a linear spring it is u_r/d sqrt(M/k_n), with the effective mass M, the stiffness k_n and u_r =
+    /// sqrt(4T/π).
     pub kappa: f64,
     /// [m/s] mean normal speed of the impacts of this kind.
     pub impact_speed: f64,
@@ -387,7 +388,7 @@ fn mean_velocity(start: &[Population]) -> Vector3<f64> {
     start.iter().map(sum).sum::<Vector3<f64>>() / count.max(1) as f64
 }
 
-/// Limit on the time step of soft spheres (the paper's section 3.4).
+/// Limit on the time step of soft spheres (section 3.4 of the paper, see `docs/paper.md`).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StepLimit {
     /// Name of the process that the time step must resolve.
@@ -440,8 +441,8 @@ pub fn step_limits(contacts: &[ContactPrediction], springs: Vec<StepLimit>, moti
 mod tests {
     use super::*;
 
-    /// Pair of the paper's small spheres (406 µm, 1038 kg/m³), at the granular temperature T of case D, computed from
-    /// u_r = 0.79 m/s.
+    /// Pair of the small spheres of the paper in `docs/paper.md` (406 µm, 1038 kg/m³), at the granular temperature T
+    /// of its case D, computed from the mean relative speed u_r = 0.79 m/s.
     fn pair() -> ContactKind {
         ContactKind {
             name: "S pair".into(),

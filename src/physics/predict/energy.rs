@@ -40,7 +40,7 @@ fn contacts(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     scene.at_extremes().iter().flat_map(|scene| contacts_of(scene, particles)).collect()
 }
 
-/// Lists all kinds of contact in a scene with `particles` particles. Every species has one size.
+/// Lists all kinds of contact in a scene with `particles` particles, in which every species has one size.
 fn contacts_of(scene: &Scene, particles: usize) -> Vec<PossibleContact> {
     let pairs = scene.meetings().filter(|_| particles > 1);
     let pairs = pairs.map(|(one, other, _)| PossibleContact { wall: None, bodies: Bodies::between(scene, one, other) });
@@ -62,9 +62,9 @@ fn schemes(experiment: &Experiment) -> Vec<Scheme> {
     }
 }
 
-/// Failure if the time step `step` [s] exceeds the stability limit of its scheme; it names the contact that exceeds
-/// the limit most. `None` if the step is stable. Heun's method has no stable step for elastic contacts (e = 1); the
-/// error is then only a warning.
+/// Failure if the time step `step` [s] exceeds the stability limit of its integration scheme; it names the contact
+/// that exceeds the limit most. `None` if the step is stable. With Heun's method, which has no stable step for elastic
+/// contacts (restitution 1), callers only warn.
 pub fn too_long(experiment: &Experiment, particles: usize, step: f64) -> Option<Failure> {
     let (law, schemes, speed) = (experiment.law()?, schemes(experiment), fastest_impact(experiment));
     // stability limits require a search, so the result is stored for each restitution
@@ -129,7 +129,8 @@ pub fn broken_contract(experiment: &Experiment, particles: usize) -> Option<Fail
 ///   0.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bound {
-    /// Largest relative energy gains g of all contacts (see [`Bound`]). Stored states do not contain them.
+    /// Largest relative energy gains g = e² - 1 of all contacts, with the restitution e that time steps give (see
+    /// [`Bound`]). Stored states do not contain them.
     #[serde(skip)]
     gains: Gains,
     /// [-] largest relative energy error s of an impact at a wall whose normal jumps, such as a mesh (see [`Bound`]).
@@ -226,8 +227,9 @@ impl Bound {
     }
 }
 
-/// Largest relative energy gains g (see [`Bound`]) of all contacts of a scene. They are computed when they are first
-/// needed, because this takes milliseconds, and runs that lose energy do not need them.
+/// Largest relative energy gains g = e² - 1 of all contacts of a scene, with the restitution e that time steps give
+/// (see [`Bound`]). They are computed when they are first needed, because this takes milliseconds, and runs that lose
+/// energy do not need them.
 #[derive(Clone, Debug, Default)]
 struct Gains {
     /// Contact law, constants of all kinds of contacts, largest normal speed [m/s] of impacts, and longest time step
@@ -236,12 +238,14 @@ struct Gains {
     /// Integration schemes of local stepping (time steps move only particles in contact), and of uniform stepping (time
     /// steps move all particles).
     schemes: [Vec<Scheme>; 2],
-    /// [-] largest gains with the schemes of local stepping, and with those of uniform stepping.
+    /// [-] largest relative energy gains of all contacts: first in local stepping (time steps move only particles in
+    /// contact), then in uniform stepping (time steps move all particles).
     largest: [OnceLock<f64>; 2],
 }
 
 impl Gains {
-    /// [-] largest gain of any contact in uniform stepping if `uniform` is true, otherwise in local stepping.
+    /// [-] largest relative energy gain of any contact: in uniform stepping (time steps move all particles) if
+    /// `uniform` is true, otherwise in local stepping (time steps move only particles in contact).
     fn largest(&self, uniform: bool) -> f64 {
         let stepping = usize::from(uniform);
         let of = |scheme: &Scheme| {
@@ -268,8 +272,9 @@ fn remedy(experiment: &Experiment, contacts: &[PossibleContact], law: &ContactLa
     }
 }
 
-/// [-] largest relative energy gain g (see [`Bound`]) of a scheme, for impacts at the normal speed `speed` [m/s] with
-/// the time step `step` [s]. It is 0 for steps that do not resolve the contact.
+/// [-] largest relative energy gain g = e² - 1 of an integration scheme (see [`Bound`]), with the largest restitution
+/// e in impacts at the normal speed `speed` [m/s] with the time step `step` [s]. It is 0 for steps that do not resolve
+/// the contact.
 fn gain(scheme: Scheme, law: &ContactLaw, spring: &Spring, [speed, step]: [f64; 2]) -> f64 {
     /// Number of intervals into which the range from N_c to N_c + 1 steps per contact is divided.
     const LENGTHS: u32 = 8;

@@ -66,7 +66,8 @@ impl Component {
 pub struct Slice {
     /// [-] fraction of all particles whose centres are in the slice.
     pub particles: f64,
-    /// [-] volume of the slice that is available to centres, over the available volume of the whole scene.
+    /// [-] volume of the slice that is available to centres of particles, over the available volume of the whole
+    /// scene.
     pub room: f64,
     /// [m²/s²] variances of the velocity components along x, y and z of the particles in the slice.
     pub variance: [f64; 3],
@@ -89,15 +90,16 @@ pub struct AgitationSpread {
 }
 
 impl AgitationSpread {
-    /// Makes the ratios for an agitation that is the same everywhere and in all directions; all ratios are 1.
+    /// Makes the ratios to a uniform gas for an agitation that is the same everywhere and in all directions; all are
+    /// 1.
     pub fn even() -> Self {
         Self { pair_rate: 1.0, wall_rate: 1.0, pairs: vec![[1.0, 1.0]], walls: vec![[1.0, 1.0]] }
     }
 
-    /// Computes the ratios from measurements in slices along y, of which the first and the last are at walls.
-    /// Velocities are taken as Gaussian, with independent components that have the variances of the slice. Collisions
-    /// with the normal n then occur at a rate proportional to s(n) = sqrt(Σ n_i² σ_i²), with the variances σ_i² along
-    /// the three axes.
+    /// Computes the ratios to a uniform gas from measurements in slices along y, of which the first and the last are
+    /// at walls. Velocities are taken as Gaussian, with independent components that have the variances of the slice.
+    /// Collisions with the normal n then occur at a rate proportional to s(n) = sqrt(Σ n_i² σ_i²), with the variances
+    /// σ_i² along the three axes.
     pub fn of(slices: &[Slice]) -> Self {
         /// Number of values of each of two angles in the quadrature over directions. The integrand is smooth.
         const ANGLES: usize = 12;
@@ -342,9 +344,10 @@ mod tests {
         }
     }
 
-    /// Checks two uneven gases. For motion along one axis only, s = sqrt(3) |cos θ|, so rates are sqrt(3)/2 of those of
-    /// the uniform gas, and the mean of s over collisions is <s²>/<s> = 2/sqrt(3). In a gas twice as dense in one half
-    /// as in the other, the rate is ((4 + 1)/2)/(3/2)² times that of the uniform gas.
+    /// Checks two uneven gases, relative to a uniform gas. For motion along one axis only, the standard deviation s of
+    /// the velocity along a normal is sqrt(3) |cos θ|, with the angle θ between normal and axis. Rates are then
+    /// sqrt(3)/2, and the mean of s over collisions is <s²>/<s> = 2/sqrt(3). In a gas twice as dense in one half as in
+    /// the other, the rate is ((4 + 1)/2)/(3/2)².
     #[test]
     fn uneven_gases() {
         let even = Slice { particles: 0.5, room: 0.5, variance: [2.0; 3] };
@@ -373,8 +376,8 @@ mod tests {
         assert!((mixed.contact_value / pure.contact_value - 1.0).abs() < 1e-12);
     }
 
-    /// Compares the decrease 1 - d_eff/σ in the cases B, D, E, G of the paper (`docs/paper.md`) with values computed
-    /// independently to two digits.
+    /// Compares the decrease 1 - d_eff/σ of the apparent diameter d_eff of soft spheres of the diameter σ with values
+    /// computed independently to two digits. The cases are B, D, E and G of the paper (`docs/paper.md`).
     #[test]
     fn soft_spheres_are_smaller() {
         for (mass, t, stiffness, diameter, shrink) in [

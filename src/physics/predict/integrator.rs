@@ -76,8 +76,8 @@ pub fn reduced_step(restitution: f64, steps_per_contact: f64) -> f64 {
     PI / (steps_per_contact * (1.0 - ratio * ratio).sqrt())
 }
 
-/// State of one contact, in units of its law: x is the gap (negative for an overlap), and v the time derivative of the
-/// gap.
+/// State of one contact, in units that fit the constants of its spring: x is the gap (negative for an overlap), and v
+/// the time derivative of the gap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct GapState {
     x: f64,
@@ -358,9 +358,9 @@ mod tests {
         assert!((of(ON_GRID_VERLET, 0.1, 10.0).mean - 0.0596).abs() < 0.01);
     }
 
-    /// Compares energies with linear maps computed independently. For e = 1 the compared number is the energy gained
-    /// per contact with Heun's method, at the steps per contact of the channel cases. For e < 1 it is the energy lost
-    /// over the loss by the exact restitution.
+    /// Compares changes of energy with those of linear maps that were computed independently. For restitution e = 1
+    /// the compared number is the energy gained per contact with Heun's method, at the steps per contact of the
+    /// channel cases. For e < 1 it is the energy lost over the loss by the exact restitution.
     #[test]
     fn heating() {
         for (steps, gain) in [(7.735, 0.0465), (10.94, 0.0169)] {

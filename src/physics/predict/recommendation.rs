@@ -16,8 +16,8 @@ use crate::contact_law::ContactLaw;
 use crate::experiment::Experiment;
 use serde::Serialize;
 
-/// [-] ratio λ* of mean overlap to diameter up to which the flow in the paper did not change (Eq. 13). With the
-/// recommended stiffness, 99 % of the overlaps are below this value.
+/// [-] ratio λ* of mean overlap to diameter up to which the flow in the paper (`docs/paper.md`) did not change (Eq.
+/// 13). With the recommended stiffness, 99 % of the overlaps are below this value.
 const DEEPEST: f64 = 0.05;
 
 /// Numbers of steps per contact from which the recommendation chooses one. The paper's range is T_c/50 to T_c/15
@@ -45,7 +45,8 @@ const SEARCH: f64 = 60.0;
 const FEW_LIE: f64 = 0.05;
 const LONG_WINDOW: f64 = 300.0;
 
-/// Number of time steps per contact at which local and uniform stepping are compared; 20 is the default of a case.
+/// Number of time steps per contact at which local stepping (time steps only for particles in contact) and uniform
+/// stepping (time steps for all particles) are compared; 20 is the default of a case.
 const USUAL_STEPS: f64 = 20.0;
 
 /// A kind of engine, together with its way of time stepping.

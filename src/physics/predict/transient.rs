@@ -41,14 +41,14 @@ pub struct Loss {
     pub time: f64,
 }
 
-/// Decay of the agitation of the particles: dT/dt = -2 drag T - 2 impacts sqrt(T/T_0) T, with T_0 the granular
-/// temperature at the start.
+/// Decay of the agitation of the particles: dT/dt = -2 a T - 2 b sqrt(T/T_0) T, with the rates a (field `drag`) and b
+/// (field `impacts`), and the granular temperature T_0 at the start.
 ///
-/// An impact of a pair removes (1-e²)/4 m u_n², with the restitution e and the normal speed u_n, where the mean of u_n²
-/// over impacts is 4 T (weighted by flux). So N (3/2) m dT/dt = -(1-e²) m T Ṅ for N particles, with Ṅ the number of
-/// impacts per time. An impact on a wall removes (1-e²)/2 m u_n², where the mean of u_n² is 2 T, so the loss per impact
-/// is the same. Impact rates are proportional to sqrt(T): Haff 1983, J. Fluid Mech. 134, 401. Drag with the response
-/// time τ removes the fraction 2/τ of T per time. Friction, which makes the decay faster, is neglected.
+/// An impact of a pair removes (1-e²)/4 m u_n², with the restitution e and the normal speed u_n, where the mean of
+/// u_n² over impacts is 4 T (weighted by flux). So N (3/2) m dT/dt = -(1-e²) m T Ṅ for N particles, with Ṅ the number
+/// of impacts per time. An impact on a wall removes (1-e²)/2 m u_n², where the mean of u_n² is 2 T, so the loss per
+/// impact is the same. Impact rates are proportional to sqrt(T): Haff 1983, J. Fluid Mech. 134, 401. Drag with the
+/// response time τ removes the fraction 2/τ of T per time. Friction, which makes the decay faster, is neglected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Decay {
     /// [1/s] relative rate 1/τ at which drag reduces the root of the granular temperature T, with the response time τ.

@@ -37,13 +37,14 @@ pub struct SlipChange {
     /// [m/s] component of the slip at the end in the direction of the slip at first touch; negative if the slip is
     /// reversed.
     pub after: f64,
-    /// True if the surfaces slide during the whole impact: the tangential impulse J_t is at Coulomb's limit μ J_n.
+    /// True if the surfaces slide during the whole impact: the tangential impulse is at Coulomb's limit μ J_n, with
+    /// the friction coefficient μ and the normal impulse J_n.
     pub slides: bool,
 }
 
 /// Smallest ratio [-] of the tangential impulse to Coulomb's limit μ J_n for which the surfaces count as sliding all
-/// the time (J_n is the normal impulse). The value was chosen for this program: errors of time steps and of rebound
-/// tables are smaller than 0.1 %.
+/// the time. Here μ is the friction coefficient and J_n the normal impulse. The value was chosen for this program:
+/// errors of time steps and of rebound tables are smaller than 0.1 %.
 const AT_LIMIT: f64 = 0.999;
 
 impl SlipChange {
@@ -127,7 +128,7 @@ pub struct InstantaneousContacts {
     rebound_squares: ExactSum,
 }
 
-/// Sums and histograms over impacts.
+/// Sums and histograms of the speeds, overlaps, restitutions and durations of impacts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Impacts {
     /// Number of impacts that have ended.
@@ -169,8 +170,8 @@ impl InstantaneousContacts {
         self.rebound_squares.merge(&other.rebound_squares);
     }
 
-    /// Sums over the contacts added after `before` was copied from these sums. The largest overlap is that of all
-    /// contacts, also the earlier ones.
+    /// Sums over the replaced contacts that were added after `before` was copied from these sums. The largest overlap
+    /// is that of all replaced contacts, also the earlier ones.
     fn since(&self, before: &Self) -> Self {
         Self {
             count: self.count - before.count,

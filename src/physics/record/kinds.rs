@@ -34,11 +34,11 @@ impl Between {
 pub struct MeetingTotals {
     /// Number of finished impacts between the two kinds.
     pub count: u64,
-    /// [m/s] sum of the normal speeds of approach.
+    /// [m/s] sum of the normal speeds of approach over the impacts between the two kinds.
     pub speed: f64,
-    /// [m²/s²] sum of the squared normal speeds of approach.
+    /// [m²/s²] sum of the squared normal speeds of approach over the impacts between the two kinds.
     pub approach: f64,
-    /// [m²/s²] sum of the squared normal speeds of rebound.
+    /// [m²/s²] sum of the squared normal speeds of rebound over the impacts between the two kinds.
     pub rebound: f64,
 }
 
@@ -59,7 +59,7 @@ impl MeetingTotals {
 pub struct ByKinds(Vec<(Between, MeetingTotals)>);
 
 impl ByKinds {
-    /// Sums for two kinds; zeros if these kinds have had no impact.
+    /// Sums over the impacts between two kinds (each a species or a wall); zeros if these kinds have had no impact.
     pub fn of(&self, between: Between) -> MeetingTotals {
         let place = self.0.binary_search_by_key(&between, |(between, _)| *between);
         place.map_or_else(|_| MeetingTotals::default(), |place| self.0[place].1)

@@ -26,17 +26,19 @@ pub const AT_WALLS: [usize; SOME] = [15, 16, 17, 5, 2, 8, 1, 6, 27, 27, 27, 27];
 /// add: [`FrictionLosses`] without the loss by tangential restitution.
 pub const OF_SPRINGS: [usize; 4] = [28, 29, 30, 31];
 
-/// Index, in the array of a ledger, of the x component of the impulse that walls give to particles.
+/// Index, in the array of a ledger (see [`Ledger::to_array`]), of the x component of the impulse of walls on
+/// particles.
 const BY_WALLS: usize = 15;
 
 /// Indices, in [`Ledger::to_array`], of the work of a sheared box and of the three components of its impulse.
 pub const BY_SHEAR: [usize; 4] = [32, 33, 34, 35];
 
-/// Index, in the array of a ledger, of the work of a thermostat. The three components of its impulse follow.
+/// Index, in the array of a ledger (see [`Ledger::to_array`]), of the work of a thermostat. The three components of
+/// the impulse of the thermostat follow.
 const BY_THERMOSTAT: usize = 36;
 
-/// Index, in the array of a ledger, of the energy of particles that came in less that of particles that left. The three
-/// components of their momentum follow.
+/// Index, in the array of a ledger (see [`Ledger::to_array`]), of the energy of particles that came in less that of
+/// particles that left. The three components of their momentum follow.
 const BY_FLOW: usize = 40;
 
 /// Sums of work, losses and impulses in an island (a group of particles that may meet), a window (the time between two

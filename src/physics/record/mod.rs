@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 pub struct Log {
     /// Finished impacts, each with the kinds of its two bodies.
     pub impacts: Vec<(Between, Impact)>,
-    /// Amounts to add to the ledger of the record.
+    /// Amounts to add to the ledger of the record, which contains the sums of work, losses and impulses.
     pub ledger: Ledger,
     /// Amounts for the ledger in addition to `ledger`: one [`Ledger::to_array`] for each island (a group of particles
     /// that may meet).

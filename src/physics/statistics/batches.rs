@@ -38,7 +38,7 @@ pub struct Batches {
     pub from: f64,
     /// [s] length of each block of time.
     pub length: f64,
-    /// [s] time between samples. The last sample of a block is taken one interval before the end of the block.
+    /// [s] time between samples (instants of measurement). The last sample of a block is one interval before its end.
     pub interval: f64,
 }
 
@@ -95,8 +95,8 @@ impl Batches {
         self.blocks.first().map_or(0, Vec::len)
     }
 
-    /// Combines averages that have the same blocks of time into one set with all components. `None` without parts, or
-    /// if the numbers of blocks differ.
+    /// Combines averages that have the same blocks of time into one set with all components. `None` if `parts` is
+    /// empty, or if the numbers of blocks differ.
     pub fn join<'a>(parts: impl IntoIterator<Item = &'a Self>) -> Option<Self> {
         let mut parts = parts.into_iter();
         let mut whole = parts.next()?.clone();
@@ -159,9 +159,9 @@ impl Batches {
         Some(Self { values, blocks: components.map(blocks).collect(), per_run: shortest, ..*first })
     }
 
-    /// Weighted sum of averages of independent runs, block by block. Each part has its weight [-]. The scatter of the
-    /// summed blocks is that of all runs together. `None` without parts, or if the runs differ in the number or length
-    /// of their blocks, or in the number of averages.
+    /// Weighted sum of averages of independent runs, block of time by block of time. `parts` has the averages of each
+    /// run and their weight [-]. The scatter of the summed blocks is that of all runs together. `None` if `parts` is
+    /// empty, or if the runs differ in the number or length of their blocks, or in the number of averages.
     pub fn sum(parts: &[(f64, &Self)]) -> Option<Self> {
         let (_, first) = parts.first()?;
         let alike = |one: &Self| {
@@ -357,8 +357,8 @@ impl Contrast {
 }
 
 /// Measured correlations [-] between neighbouring blocks of time, for all components of two runs. Each has its
-/// variance due to chance [-]. They are the input of [`Prior::of`]. Empty if a run has too few blocks for an error, or
-/// if each run is one block.
+/// variance due to chance [-]. They are the input of [`Prior::of`]. The list is empty if a run has too few blocks for
+/// an error, or if each run is one block.
 pub fn measured(a: &Batches, b: &Batches) -> Vec<(f64, f64)> {
     let runs = [a, b];
     if !runs.iter().all(|run| run.tells_errors()) {

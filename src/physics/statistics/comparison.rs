@@ -1,5 +1,5 @@
-//! Comparison of two runs in several observables. There are three possible answers for each observable, and one answer
-//! for all observables together.
+//! Comparison of two runs in several observables. The possible answers are equivalent, different and unresolved. There
+//! is one answer for each observable, and one for all observables together.
 
 use super::batches::Prior;
 use super::difference::{EQUIVALENCE_LEVEL, Folded, Observable, Tested};
@@ -149,9 +149,9 @@ pub fn compare(a: &[Observable], b: &[Observable], margin: f64, levels: ErrorLev
 /// Margin of equivalence (largest accepted difference) and error levels, for the tests of one of several observables.
 struct EquivalenceTest {
     margin: f64,
-    /// [-] level of the test for a difference, for a single observable.
+    /// [-] accepted probability of a false difference in the test of a single observable.
     level: f64,
-    /// [-] level of each one-sided test for equivalence.
+    /// [-] accepted probability of a false result in each one-sided test for equivalence.
     equivalence: f64,
     /// Number of positions that must be shown to be equivalent, summed over all observables.
     places: usize,

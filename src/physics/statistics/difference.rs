@@ -47,8 +47,8 @@ pub struct Observable {
     pub scale: f64,
     /// Description of the scale, in words that follow "% of", such as "its mean".
     pub scale_is: &'static str,
-    /// Average at each position, with the blocks of time from which its error is computed. Each entry has one
-    /// component; it is `None` if the average is unknown. A single number has one entry.
+    /// Average at each position, with the blocks of time from which its error is computed. Each entry contains one
+    /// average; it is `None` if the average is unknown. A single number has one entry.
     pub parts: Vec<Option<Batches>>,
 }
 
@@ -213,7 +213,7 @@ pub struct Folded {
 
 impl Folded {
     /// Averages the values of an observable at positions that are mirror images about the mid-plane, in both runs.
-    /// `None` if no position is known in both runs, or if one run has no errors.
+    /// `None` if no position is known in both runs, or if the standard errors of a run are unknown.
     pub fn new(a: &Observable, b: &Observable) -> Option<Self> {
         let count = a.places.len().max(1);
         if [a, b].iter().any(|one| one.parts.len() != count) {
@@ -299,7 +299,7 @@ impl Folded {
     }
 }
 
-/// Positions `kept` on a scale on which the positions `all` extend from -1 to 1.
+/// Coordinates [-] of the positions `kept`, on a scale on which the positions `all` extend from -1 to 1.
 fn places_across(all: &[f64], kept: &[f64]) -> Vec<f64> {
     let (Some(first), Some(last)) = (all.first(), all.last()) else { return vec![0.0] };
     let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
@@ -330,7 +330,8 @@ struct Smooth {
     /// Value of each smooth shape at each position.
     shapes: Vec<Vec<f64>>,
     contrast: Contrast,
-    /// Indices of the shapes whose coefficients scatter; the coefficients of the other shapes are known exactly.
+    /// Indices of the shapes (polynomials across the profile) whose coefficients differ between blocks of time. The
+    /// coefficients of the other shapes are known exactly.
     scattering: Vec<usize>,
 }
 

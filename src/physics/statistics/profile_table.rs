@@ -9,17 +9,17 @@ use serde::Serialize;
 /// Averages over time in one slice of the box.
 ///
 /// A slice without particles has number density 0 and no velocity moments, which are written as empty cells. Without
-/// any sample its number density is also unknown.
+/// any measurement its number density is also unknown.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SliceRow {
     /// [m] height y of the middle of the slice.
     pub y: f64,
     /// Averages in the order of [`SLICE_COLUMNS`], in their SI units; `None` if unknown. The number density is that of
     /// particle centres, divided by its mean in the whole box. In a slice at a wall no centre is within one radius of
-    /// the wall; the density is not corrected for this (20.3 % of a 1 mm slice for spheres of 406 um). Moments are
-    /// relative to the mean over the slice and the averaging period.
+    /// the wall. The density is not corrected for this: for spheres of 0.406 mm, it is 20.3 % of a slice 1 mm thick.
+    /// Moments are relative to the mean over the slice and the averaging period.
     pub estimates: [Option<Estimate>; SLICE_QUANTITIES],
-    /// Number of particles counted in the slice, summed over all samples.
+    /// Number of particles counted in the slice, summed over all instants of measurement.
     pub samples: u64,
 }
 
@@ -31,10 +31,10 @@ pub struct ProfileTable {
     /// Number of blocks of time from which each standard error is computed; with fewer than 8 blocks there are no
     /// errors.
     pub blocks: usize,
-    /// [s] time of the first sample in the averages: the start of a whole block of time, at or after the requested
-    /// start of averaging.
+    /// [s] time of the first sample (instant of measurement) in the averages: the start of a whole block of time, at
+    /// or after the requested start of averaging.
     pub from: f64,
-    /// [s] time of the last sample in the averages.
+    /// [s] time of the last sample (instant of measurement) in the averages.
     pub until: f64,
     /// Values of each average in blocks of time, by index of the slice, then of the column. `None` if the average or
     /// its error is unknown.

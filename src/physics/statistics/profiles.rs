@@ -26,17 +26,18 @@ const TRIPLES: [[usize; 3]; 10] =
 /// length of the run.
 const MOST_BLOCKS: usize = 512;
 
-/// Sums over the particles of each slice and over several successive samples (instants of measurement).
+/// Sums of velocities and of their products over the particles of each slice, and over several successive samples
+/// (instants of measurement).
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct SampleBlock {
-    /// [s] time of the first sample in the block.
+    /// [s] time of the first sample (instant of measurement) in the block.
     start: f64,
-    /// [s] time of the last sample in the block.
+    /// [s] time of the last sample (instant of measurement) in the block.
     end: f64,
-    /// Number of samples in the block.
+    /// Number of samples (instants of measurement) in the block.
     samples: usize,
-    /// Sums over the particles, `width` numbers for each slice, in SI units. Velocities are relative to the reference
-    /// velocity.
+    /// Sums over the particles, `width` numbers for each slice, in SI units: velocities, relative to the reference
+    /// velocity, and their products.
     sums: Vec<f64>,
 }
 
@@ -62,11 +63,11 @@ pub struct Accumulator {
     slices: usize,
     height: f64,
     /// [m/s] reference velocity (u, v, w), which is subtracted from velocities before they are multiplied. Without it,
-    /// moments would be small differences of large numbers. `None` before the first sample.
+    /// moments would be small differences of large numbers. `None` before the first call of [`Accumulator::sample`].
     reference: Option<Vector3<f64>>,
     /// Number of sums per slice: `SUMS`, or more for spheres that rotate.
     width: usize,
-    /// Number of samples in a full block; the last block may have fewer.
+    /// Number of samples (instants of measurement) in a full block of time; the last block may have fewer.
     block_samples: usize,
     blocks: Vec<SampleBlock>,
 }
@@ -78,7 +79,8 @@ impl Accumulator {
         Self { slices: slices.max(1), height, reference: None, width: SUMS, block_samples: 1, blocks: Vec::new() }
     }
 
-    /// Adds one sample of all particles at the simulated time `time` [s]. Samples must be equally spaced in time.
+    /// Adds the present state of all particles to the sums, at the simulated time `time` [s]. Successive times must be
+    /// equally spaced.
     ///
     /// The result depends neither on the order of the particles nor on the number of threads. A particle whose centre
     /// is outside the box counts in the nearest slice.
@@ -114,7 +116,7 @@ impl Accumulator {
         self.block_samples *= 2;
     }
 
-    /// Sums of all slices for one sample, one slice after the other. Velocities are relative to the velocity
+    /// Sums over the particles at one instant, one slice after the other. Velocities are relative to the velocity
     /// `reference` [m/s].
     fn sum(&self, sample: Sample, reference: Vector3<f64>) -> Vec<f64> {
         let particles = sample.particles;
@@ -139,11 +141,12 @@ impl Accumulator {
         }
     }
 
-    /// Averages over the samples at the time `from` [s] and later; only whole blocks of time are used.
+    /// Averages over the samples (instants of measurement) at the time `from` [s] and later; only whole blocks of time
+    /// are used.
     ///
     /// Averages are computed from the sums over all these samples. The standard error of an average comes from the
-    /// jackknife, since the moments are not linear in the sums. The samples are divided into n equal blocks of time: 20
-    /// to 39, or fewer in a short run. The average is also computed n times, each time without one block. The
+    /// jackknife, since the moments are not linear in the sums. The samples are divided into n equal blocks of time:
+    /// 20 to 39, or fewer in a short run. The average is also computed n times, each time without one block. The
     /// pseudo-value of a block is n times the average minus (n-1) times the average without this block. The standard
     /// error is that of the mean of the pseudo-values, with the correlation of blocks.
     pub fn table(&self, from: f64) -> ProfileTable {
@@ -185,9 +188,10 @@ impl Accumulator {
         ProfileTable { slices, blocks: groups.len(), from, until, batches }
     }
 
-    /// Averages in the slice with index `slice`, from the sums over all samples, and the pseudo-values of each average
-    /// (jackknife) for its standard error. `groups` are the sums over each of the blocks of time that the jackknife
-    /// leaves out, and `frame` has their times. The pseudo-values are `None` if the average or its error is unknown.
+    /// Averages in the slice with index `slice`, from the sums `total` over the averaging period. The second result
+    /// has the pseudo-values of each average, from which its standard error follows (see [`table`](Self::table)). They
+    /// are `None` if the average or its error is unknown. `groups` are the sums over each block of time, and `frame`
+    /// has the times of blocks.
     fn row(
         &self,
         slice: usize,

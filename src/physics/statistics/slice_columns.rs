@@ -1,5 +1,5 @@
-//! Quantities that are averaged in slices of the box. Files, verdicts (tests whether two runs differ) and pictures all
-//! use the list in this file.
+//! Quantities that are averaged in slices of the box, listed in [`SLICE_COLUMNS`]. Files, verdicts (tests whether two
+//! runs differ) and pictures all use this list.
 
 use super::modes::Parity;
 use super::spin_sums::SPIN_QUANTITIES;
@@ -42,7 +42,7 @@ pub const MEAN_SPIN_X: SliceColumn = SLICE_COLUMNS[20];
 /// Column of the rotational temperature T_r [m²/s²].
 pub const ROTATIONAL_TEMPERATURE: SliceColumn = SLICE_COLUMNS[23];
 
-/// Columns of a scene. The columns of spins are included if the spheres rotate (`rotating`).
+/// Columns of `profiles.csv` for a scene. The columns of spins are included if the spheres rotate (`rotating`).
 pub fn slice_columns(rotating: bool) -> &'static [SliceColumn] {
     if rotating { &SLICE_COLUMNS } else { &SLICE_COLUMNS[..VELOCITY_QUANTITIES] }
 }

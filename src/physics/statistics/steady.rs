@@ -3,39 +3,39 @@
 use super::errors::{FEWEST_BLOCKS, Removed, mean, standard_error};
 use serde::Serialize;
 
-/// Number of successive samples that are averaged before the start of the steady part is searched. This reduces the
-/// influence of chance.
+/// Number of successive samples (instants of measurement) that are averaged before the start of the steady part is
+/// searched. This reduces the influence of chance.
 const BATCH: usize = 5;
-/// [-] largest difference, in standard errors, that does not count as drift. About a dozen series are tested, and their
-/// errors have about ten degrees of freedom. The number was found from 400 steady channels and gases:
+/// [-] largest difference, in standard errors, that does not count as drift. About a dozen quantities are tested, and
+/// their errors have about ten degrees of freedom. The number was found from 400 steady channels and gases:
 /// docs/theory/statistics.md, "Steady or not".
 pub const LARGEST_DRIFT: f64 = 4.0;
 /// [-] drift, in standard errors, that confirms an initial relaxation of more than half of the run. The search for the
 /// start of averaging ends at half of the run. Chance seldom gives this latest start, and even more seldom together
 /// with such a drift.
 const SUSPECT: f64 = 2.0;
-/// [-] smallest relative decrease of the variance of the mean for which samples at the start are dropped. Noise gives a
-/// decrease of a few per cent.
+/// [-] smallest relative decrease of the variance of the mean for which samples (instants of measurement) at the start
+/// are dropped. Noise gives a decrease of a few per cent.
 const WORTH: f64 = 0.1;
 
 /// Result of the test for a steady state, for several observables together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Steadiness {
-    /// [s] simulated time at which the steady part of the run begins; 0 without a sample.
+    /// [s] simulated time at which the steady part of the run begins; 0 without measurements.
     pub from: f64,
-    /// True if no series drifts by more than 4 standard errors during the averaging period, and if no initial
-    /// relaxation of more than half of the run was found. With too few samples for a test, the result is false and
-    /// `drift` is `None`.
+    /// True if no tested quantity drifts by more than 4 standard errors during the averaging period, and if no initial
+    /// relaxation of more than half of the run was found. With too few samples (instants of measurement) for a test,
+    /// the result is false and `drift` is `None`.
     pub steady: bool,
-    /// [-] largest drift of all series: difference between the means of the second and the first half of the averaging
-    /// period, in standard errors. `None` if unknown, infinite for a drift without any noise.
+    /// [-] largest drift of all tested quantities: difference between the means of the second and the first half of
+    /// the averaging period, in standard errors. `None` if unknown, infinite for a drift without any noise.
     pub drift: Option<f64>,
 }
 
 /// Values of one observable at equal intervals of time, with the sizes of the changes that count as steady.
 #[derive(Clone, Copy, Debug)]
 pub struct SteadySeries<'a> {
-    /// Values of all samples, in the unit of the observable.
+    /// Values at all samples (instants of measurement), in the unit of the observable.
     pub values: &'a [f64],
     /// Scale of the changes, in the unit of the observable. Regular changes below a thousandth of this scale do not
     /// count as drift. If the scale is 0, every change counts.
@@ -93,18 +93,18 @@ pub fn judge(times: &[f64], series: &[SteadySeries], from: Option<f64>) -> Stead
     }
 }
 
-/// Number of samples to drop at the start of the series. The second value is true if the initial relaxation lasts
-/// longer than half of the run. This holds if the number is at its limit and the values drift even without the first
-/// half of these samples.
+/// Number of samples (instants of measurement) to drop at the start of the series. The second value is true if the
+/// initial relaxation lasts longer than half of the run. This holds if the number is at its limit and the values drift
+/// even without the first half of these samples.
 fn start(values: &[f64], series: &SteadySeries) -> (usize, bool) {
     let (start, at_limit) = truncation(values);
     let drifts = || series.drift(&values[start / 2..]).is_some_and(|drift| drift > SUSPECT);
     (start, at_limit && drifts())
 }
 
-/// Number of samples to drop at the start. The second value is true if the number is at its limit, half of the run. The
-/// number minimizes the squared standard error of the mean of the remaining samples, as if they were independent
-/// (MSER-5; White 1997). No sample is dropped if the square would decrease by less than a tenth.
+/// Number of samples (instants of measurement) to drop at the start. The second value is true if the number is at its
+/// limit, half of the run. The number minimizes the squared standard error of the mean of the remaining samples, as if
+/// they were independent (MSER-5; White 1997). No sample is dropped if the square would decrease by less than a tenth.
 fn truncation(values: &[f64]) -> (usize, bool) {
     let batches: Vec<f64> = values.chunks_exact(BATCH).map(mean).collect();
     let count = batches.len();
@@ -155,9 +155,9 @@ fn ranks(values: &[f64], step: f64) -> Vec<f64> {
     values.iter().map(rank).collect()
 }
 
-/// [-] magnitude of the difference between the means of the two halves, in standard errors. The standard error comes
-/// from the scatter about a fitted parabola, because a drift would increase the scatter about the mean. `None` for
-/// fewer than 16 values, or if a value is not finite.
+/// [-] magnitude of the difference between the means of the first and the second half of the values, in standard
+/// errors. The standard error comes from the scatter about a fitted parabola, because a drift would increase the
+/// scatter about the mean. `None` for fewer than 16 values, or if a value is not finite.
 fn drift(values: &[f64]) -> Option<f64> {
     let count = values.len();
     if count < 2 * FEWEST_BLOCKS || values.iter().any(|v| !v.is_finite()) {
@@ -220,7 +220,8 @@ mod tests {
         (times, values)
     }
 
-    /// Share of 400 made-up runs that are found to be steady, and mean start of averaging [s].
+    /// Share of 400 made-up runs, with the `jump` and the time constant `tau` [s] of the function `series`, that are
+    /// found to be steady. The second number is the mean start of averaging [s]; `from` is the given start.
     fn share(jump: f64, tau: f64, from: Option<f64>) -> (f64, f64) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
         let (mut steady, mut start) = (0.0, 0.0);
