@@ -16,7 +16,8 @@ pub struct StoredCommand {
     /// Checksum of the text of the case, by which a changed case is detected.
     pub case: u32,
     /// Identities of the runs of the command, in the order of its list of runs. Replicas (runs of one experiment with
-    /// different seeds) have one name, and only the identity of the first replica is stored. Empty for a sweep.
+    /// different seeds) have one name, and only the identity of the first replica is stored. The list is empty for a
+    /// sweep.
     pub runs: Vec<RunIdentity>,
 }
 
@@ -27,8 +28,8 @@ pub struct RunIdentity {
     /// Name of the variant or, in an identity made by [`of_hash`](Self::of_hash), a hash of all data that determine the
     /// run.
     pub name: String,
-    /// Name of each part of the experiment, such as `scene`, with the checksum of this part. Empty in an identity made
-    /// by [`of_hash`](Self::of_hash).
+    /// Name of each part of the experiment, such as `scene`, with the checksum of this part. The list is empty in an
+    /// identity made by [`of_hash`](Self::of_hash).
     parts: Vec<(String, u32)>,
 }
 
@@ -78,8 +79,8 @@ impl RunIdentity {
         self.parts.iter().zip(&other.parts).find(differs).map(|(own, _)| own.0.as_str())
     }
 
-    /// Text that identifies the run in the names of files. It is the hash if the identity was made from a hash, else
-    /// the checksum of the name and of all parts of the experiment.
+    /// Text that identifies the run in the names of files. It is the hash if the identity was made by
+    /// [`of_hash`](Self::of_hash), otherwise the checksum of the name and of all parts of the experiment.
     pub fn file_name(&self) -> String {
         if self.parts.is_empty() { self.name.clone() } else { format!("{:08x}", self.checksum()) }
     }

@@ -123,9 +123,9 @@ impl Store {
         if (found, &whose) == (age, run) { Ok(part) } else { Err(Unreadable::Damaged) }
     }
 
-    /// Checks that the files of a stored state with the data of the single processes can be read. `of` is the name of
-    /// the file with the other data of this state. `whose` contains the generation number of the state, and its run.
-    /// If a file cannot be read, its path and the reason are returned as the error.
+    /// Checks that the files with the data of the single processes, which belong to a stored state, can be read. `of`
+    /// is the name of the file with the other data of this state. `whose` contains the generation number of the state,
+    /// and its run. If a file cannot be read, its path and the reason are returned as the error.
     fn has_parts(&self, of: &str, whose: (u64, &RunIdentity), kept: &StoredRun) -> Result<(), (PathBuf, Unreadable)> {
         (0..kept.pause.snapshot.parts).try_for_each(|number| {
             let read = self.read_part(of, whose, number).map(drop);

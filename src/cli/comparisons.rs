@@ -50,7 +50,8 @@ pub struct JudgeArguments {
     /// First side: a CSV file, a log or a `fix ave/time` file of LAMMPS, or a folder of results (FOLDER:VARIANT for one
     /// of several variants); replicas are separated by commas [default: the files that --settings names].
     pub a: Option<String>,
-    /// Second side, the reference, like the first; or a CSV table with the columns value and standard_error.
+    /// Second side, the reference: files as for the first side, or a CSV table with the columns value and
+    /// standard_error.
     pub b: Option<String>,
     /// File that names columns, units, start of averaging, curves and margins (judge.toml) [default: columns of equal
     /// names are compared].

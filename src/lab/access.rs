@@ -22,7 +22,7 @@ impl Token {
         Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
     }
 
-    /// Token as text, as it is written in the address of the lab.
+    /// Text of the token, as it is written in the address of the lab.
     pub fn as_str(&self) -> &str {
         &self.0
     }

@@ -29,7 +29,7 @@ const FRAMES: usize = 120;
 /// the case.
 const VALUES: usize = 5;
 
-/// Number of comparisons of the two panels in a recorded run.
+/// Number of times at which the two panels of the page are compared in a recorded run.
 const VERDICTS: usize = 12;
 
 /// Largest number of rows of measured quantities in a recorded frame (state at one instant). With this number, a curve
@@ -63,7 +63,7 @@ struct Recording {
     /// For each column of `particles`: its smallest value in the run, and its largest value minus the smallest. A
     /// recorded fraction f means the smallest value plus f times this difference.
     scales: [[f32; 2]; MOVING],
-    /// [m] radii of the particles of each panel.
+    /// [m] radii of the particles of each panel, one list per panel.
     radii: Vec<Vec<f32>>,
     /// Columns x, y, z, speed and overlap of all particles, as text in base 64. A value is a fraction between 0 and 1
     /// (see `scales`), stored as a 16-bit number. All panels of one frame precede the next frame.
@@ -127,7 +127,7 @@ fn choices(scene: &LabScene) -> Result<Vec<SceneChoice>, String> {
     Ok(choices)
 }
 
-/// Values of a parameter that are recorded, from its smallest to its largest.
+/// Values of a parameter that are recorded, from its lower to its upper limit, without repetitions.
 fn values(range: &ParameterRange) -> Vec<ParameterValue> {
     let mut values = match range.kind() {
         ParameterKind::Words(words) => {

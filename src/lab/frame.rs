@@ -23,7 +23,7 @@ pub struct Now {
     /// Rows of quantities measured since the previous frame (data of one instant sent to the page), or in a live view
     /// since the start. A row has one value for each column of the graphs, in the unit of this column.
     pub rows: Vec<Vec<f64>>,
-    /// Numbers of the run that the page shows next to the panel.
+    /// Numbers of the run, such as energies and counts, that the page shows next to the panel.
     pub live: Live,
 }
 
@@ -121,7 +121,8 @@ pub fn drawn(simulation: &Simulation, most: usize) -> Vec<DrawnParticle> {
     places.into_iter().step_by(particles.len().div_ceil(most).max(1)).map(each).collect()
 }
 
-/// Result of the comparison of the two panels. Only scenes whose averages are tested statistically have one.
+/// Result of the comparison of the two panels. Only in scenes whose averages are tested statistically are the panels
+/// compared.
 #[derive(Clone, Debug, Serialize)]
 pub struct PanelComparison {
     /// Answer of the comparison of the two panels: equivalent, different or unresolved.
@@ -143,7 +144,7 @@ pub struct Head<'a> {
     pub serial: u32,
     /// Number of drawn particles in each panel, from left to right.
     pub counts: Vec<usize>,
-    /// States of the panels, from left to right.
+    /// States of the panels at this instant, from left to right.
     pub sides: &'a [Now],
     /// Comparison of the two panels, in the first frame (data of one instant) after a new comparison. It is `None` in
     /// all other frames.

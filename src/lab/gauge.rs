@@ -15,7 +15,7 @@ use serde::Serialize;
 /// Number of intervals of time from which a theoretical curve is drawn.
 const POINTS: usize = 200;
 
-/// Set of quantities that a scene of the lab measures and draws.
+/// Set of quantities that a scene of the lab measures and draws as graphs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gauge {
     /// Overlap, relative velocity and contact forces of two spheres.
@@ -46,8 +46,8 @@ pub enum Gauge {
     Missed,
 }
 
-/// Graph of measured quantities as functions of time or of another measured quantity. A quantity is given by its index
-/// (column) in a measured row.
+/// Graph of measured quantities as functions of time or of another measured quantity. A measured row has one value for
+/// each quantity; the graph names a quantity by its index (column) in the row.
 #[derive(Clone, Debug, Serialize)]
 pub struct Graph {
     /// Title of the graph.
@@ -60,7 +60,7 @@ pub struct Graph {
     pub columns: Vec<usize>,
     /// True if the vertical axis is logarithmic.
     pub logarithmic: bool,
-    /// Ends of the horizontal axis, in its unit; `None` for the whole run.
+    /// Lower and upper end of the horizontal axis, in the unit of this axis; `None` if the axis covers the whole run.
     pub window: Option<[f64; 2]>,
     /// True if negative overlaps, which are gaps, are drawn only down to a small part of the largest overlap.
     pub short_gaps: bool,
@@ -258,7 +258,8 @@ fn statics(experiment: &Experiment, start: &Particles) -> Option<Vec<[f64; 2]>> 
     Some(vec![[0.0, share], [1e3 * experiment.run.duration, share]])
 }
 
-/// [m²/s²] granular temperature: a third of the mean square of the velocities relative to the mean velocity.
+/// [m²/s²] granular temperature: a third of the mean square of the velocities relative to the mean velocity; 0 without
+/// particles.
 fn temperature(particles: &Particles) -> f64 {
     let count = particles.len().max(1) as f64;
     let mean = particles.velocity.iter().sum::<nalgebra::Vector3<f64>>() / count;

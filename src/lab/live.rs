@@ -85,8 +85,7 @@ pub struct LiveView {
     at_start: Option<f64>,
     /// Points of the curves so far: time in `unit`, mean velocity along z [m/s], granular temperature [m²/s²], impacts.
     rows: Vec<Vec<f64>>,
-    /// Two numbers, n and m: only every n-th point of the curves is kept, and m points have come since the latest kept
-    /// point.
+    /// [s] unit of the time axis of the curves: 1, 1e-3 or 1e-6, depending on the duration of the run.
     thinning: (usize, usize),
     /// Wall time and simulated time [s] of the latest frame (data sent to the page).
     shown: (Duration, f64),

@@ -45,8 +45,8 @@ use std::time::Duration;
 /// Wall time between two checks whether a signal to stop has come, such as that of Ctrl-C.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// Runs `diptych lab`: serves the page until Ctrl-C or the signal to terminate. With `--export`, writes a page to a
-/// file instead.
+/// Runs `diptych lab`: serves the page of the lab until Ctrl-C or the signal to terminate. With `--export`, writes a
+/// page to a file instead.
 ///
 /// # Errors
 /// Returns an error for bad input if the port is taken, or if the system refuses to set a handler for signals. Returns

@@ -32,7 +32,7 @@ pub enum LabParameter {
     StepsPerContact,
     /// Method of integration in time for the contacts of soft spheres.
     Integrator,
-    /// [µs] length of the window h, the time between two exchanges of momentum with the gas.
+    /// [µs] length h of a window, the time between two exchanges of momentum with the gas.
     Window,
     /// Number of particles in a scene of many particles. If it changes, the periodic sides of the box change too, so
     /// that the volume fraction stays constant.
@@ -273,7 +273,7 @@ fn crowd(experiment: &Experiment, count: f64) -> Vec<String> {
 }
 
 /// Arguments of the form `key=value` that set the number of spheres in a row to `count`. The row begins with the
-/// spheres of the case; further spheres follow at equal distances.
+/// spheres of the case (input file); further spheres follow at equal distances.
 fn row(experiment: &Experiment, count: usize) -> Vec<String> {
     let Some(Amount::Placed(placed)) = experiment.start.first().map(|population| &population.amount) else {
         return Vec::new();

@@ -141,7 +141,7 @@ pub struct Opened {
     pub graphs: Vec<Graph>,
     /// [s] simulated duration of the scene: the longer one of the durations of both panels.
     pub duration: f64,
-    /// [s/s] simulated time divided by wall time, at the default speed of the animation.
+    /// [s/s] pace of the animation at its default speed: simulated time divided by wall time.
     pub pace: f64,
     /// Command line that compares the runs of both panels.
     pub command: String,

@@ -87,7 +87,7 @@ impl SceneState {
         }
     }
 
-    /// [s/s] simulated time divided by wall time, at the default speed of the animation.
+    /// [s/s] pace of the animation at its default speed: simulated time divided by wall time.
     pub fn pace(&self) -> f64 {
         self.experiments[0].run.duration / self.scene.lasts
     }

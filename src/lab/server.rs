@@ -55,7 +55,7 @@ const AFTER_ERROR: Duration = Duration::from_millis(100);
 /// Reason why the server of the lab cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum LabError {
-    /// The server cannot listen at the port.
+    /// The server cannot listen at the port, for example because another program uses it.
     #[error("cannot listen at port {port} of this machine: {why}\nhelp: leave --port out to get a free one")]
     Port {
         /// Number of the port; 0 means any free port.

@@ -38,8 +38,8 @@ pub struct StageRun<'a> {
     clock: Clock,
     /// Wall time at which the latest frame (data for the page) was made, measured by `clock`.
     shown: Duration,
-    /// Comparison of the panels, for the next frame (data for the page). `None` if the page has already got the latest
-    /// comparison.
+    /// Latest comparison of the panels, which is sent in the next frame (data for the page). `None` if there is none,
+    /// or if the page has already got it.
     pub judged: Option<PanelComparison>,
     /// Wall time of the latest comparison of the panels, measured by `clock`.
     judged_at: Duration,

@@ -20,10 +20,11 @@ pub trait Communicator: Send + Sync {
     /// are ignored.
     fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8>;
 
-    /// Replaces each number by the sum of the numbers that all processes have at its index.
+    /// Replaces each number of the list by the sum, over all processes, of the numbers at this position in their
+    /// lists.
     fn sum(&self, numbers: &mut [i64]);
 
-    /// Replaces each value by the largest value that any process has at its index.
+    /// Replaces each value of the list by the largest value that any process has at this position in its list.
     fn largest(&self, values: &mut [f64]);
 
     /// True if this process is the lead, which is process 0.
@@ -31,7 +32,8 @@ pub trait Communicator: Send + Sync {
         self.rank() == 0
     }
 
-    /// Replaces each exact sum of this process by the total of that sum over all processes.
+    /// Replaces each sum of this process by its total over all processes. An [`ExactSum`] is free of rounding, so the
+    /// total does not depend on the order of the processes.
     fn total(&self, sums: &mut [&mut ExactSum]) {
         let mut words: Vec<i64> = sums.iter_mut().flat_map(|sum| *sum.words()).collect();
         self.sum(&mut words);

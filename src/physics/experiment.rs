@@ -150,8 +150,9 @@ impl Experiment {
     }
 
     /// Number of particles for predictions of contacts, such as the shortest contact time. It is at least `now`, the
-    /// number of particles in the scene. With inlets it is at least 2, so that contacts of two particles are predicted
-    /// before any has come in. With outlets it is at least the number at the start, although particles may have left.
+    /// number of particles in the scene. With inlets it is at least 2, so that contacts between two particles are
+    /// predicted even while the scene is empty. With outlets it is at least the number at the start, although
+    /// particles may have left.
     pub fn most_that_touch(&self, now: usize) -> usize {
         let scene = &self.scene;
         let coming = if scene.inlets.is_empty() { 0 } else { 2 };

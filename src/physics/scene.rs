@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 pub struct Meeting {
     /// Restitution and friction of the two bodies, which all engines use.
     pub surface: Surface,
-    /// [-] stiffness of soft contacts of the pair over that of the contact law.
+    /// [-] stiffness of soft contacts of the pair, divided by the stiffness of the contact law.
     pub stiffness_ratio: f64,
     /// [kg] effective mass for which `stiffness_ratio` is valid. The stiffness of a contact is then proportional to the
     /// effective mass of its two bodies, so that all contacts of the pair have one duration. `None` if the stiffness
@@ -395,7 +395,7 @@ impl Scene {
         self.pairs.find(species, other).map_or_else(|| self.usual(other), |meeting| &meeting.surface)
     }
 
-    /// Restitution and friction of contacts with a particle or a wall, for pairs that are not in `pairs`.
+    /// Restitution and friction of contacts with `other`, for pairs of bodies that are not in [`Scene::pairs`].
     #[inline]
     fn usual(&self, other: Kind) -> &Surface {
         match other {
@@ -404,7 +404,7 @@ impl Scene {
         }
     }
 
-    /// All pairs of species, equal ones included, with their contact properties; the smaller index comes first.
+    /// All pairs of species, also each species with itself, and their contact properties. The smaller index is first.
     pub fn meetings(&self) -> impl Iterator<Item = (u16, u16, Meeting)> {
         let count = self.species.len() as u16;
         let each = move |one| (one..count).map(move |other| (one, other, self.meeting(one, Kind::Species(other))));
@@ -468,8 +468,8 @@ impl Scene {
         constant(self.meetings().map(|(_, _, meeting)| meeting.surface))
     }
 
-    /// [-] restitution at walls; `None` without walls, or if the restitution differs between species or walls or
-    /// depends on speed.
+    /// [-] restitution at walls. `None` if there are no walls, or if the restitution differs between species or walls
+    /// or depends on the speed.
     pub fn restitution_at_walls(&self) -> Option<f64> {
         if self.pairs.is_empty() {
             return constant(self.walls.iter().map(|wall| wall.surface));

@@ -73,24 +73,25 @@ const SAMPLES_PER_RESPONSE: f64 = 20.0;
 /// a run, after drag has slowed the particles.
 const DOUBLINGS: usize = 4;
 
-/// [-] largest length of a window that has been made longer during a run, divided by the duration of the run. Curves
-/// over time would show steps if windows were longer.
+/// [-] largest length of a window (time between two exchanges with the gas) that has been made longer during a run,
+/// divided by the duration of the run. Curves over time would show steps if windows were longer.
 const SHARE: f64 = 1e-3;
 
-/// [-] smallest share of the windows of a run that must be saved by windows that become longer during the run. If fewer
-/// are saved, all windows have one length.
+/// [-] smallest share of the windows (times between two exchanges with the gas) that must be saved by making windows
+/// longer during the run. If fewer are saved, all windows keep one length.
 const WORTH: f64 = 0.1;
 
-/// Windows of a run (times between two exchanges with the gas) and samples at ends of windows. Either all windows have
-/// one length, or the shortest windows are merged into longer ones from certain samples on.
+/// Windows of a run (times between two exchanges with the gas) and samples (measurements) at the ends of some windows.
+/// Either all windows have one length, or the windows become longer during the run: two, four, eight or sixteen of the
+/// shortest are merged into one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     /// [s] length h of a window (time between two exchanges with the gas). If windows become longer during the run, it
     /// is the length of the first windows, which are the shortest.
     pub window: f64,
-    /// Number of windows between two samples (measurements). A longer window counts as several of the shortest windows.
+    /// Number of windows between two samples (measurements), counted in the shortest windows of the run.
     pub windows_per_sample: u64,
-    /// Number of samples (measurements) of the run, without the sample at its start.
+    /// Number of samples (measurements) of the run, not counting the sample at its start.
     pub samples: u64,
     /// Numbers of the samples (measurements) from which on two, four, eight and sixteen of the shortest windows are
     /// merged into one window. `None` if the run has no windows of that length.
@@ -104,12 +105,13 @@ pub struct Schedule {
 /// Next piece of a run through which an engine advances without interruption.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScheduleStep {
-    /// This number of whole windows (times between two exchanges with the gas). They reach to the next sample
-    /// (measurement), or to the window that contains an instant of output.
+    /// This number of whole windows (times between two exchanges with the gas). The last of them ends at the next
+    /// sample (measurement), or where the window begins that contains an instant of output.
     Windows(u64),
-    /// A part of a window, up to an instant [s] within the window, such as one at which the particles are written.
+    /// A part of a window (time between two exchanges with the gas), up to an instant [s] within the window, such as
+    /// one at which the particles are written.
     ToInstant(f64),
-    /// The rest of a window, up to its end at this time [s].
+    /// The rest of a window (time between two exchanges with the gas), up to its end at this time [s].
     ToEnd(f64),
 }
 
@@ -157,8 +159,8 @@ impl Schedule {
         if experiment.run.window.is_some() || countless { even } else { even.growing(experiment) }
     }
 
-    /// Merges windows into longer ones while drag slows the particles down. If this does not save enough windows, the
-    /// schedule is returned unchanged.
+    /// Merges windows (times between two exchanges with the gas) into longer ones while drag slows the particles down.
+    /// If this does not save enough windows, the schedule is returned unchanged.
     fn growing(self, experiment: &Experiment) -> Self {
         let Some(slowing) = Slowing::of(experiment) else { return self };
         let most = SHARE * experiment.run.duration;
@@ -192,7 +194,7 @@ impl Schedule {
         1 << self.longer.iter().flatten().filter(|first| **first <= sample).count()
     }
 
-    /// [s] length of the longest window of the run.
+    /// [s] length of the longest window (time between two exchanges with the gas) of the run.
     pub fn longest(&self) -> f64 {
         self.window * (1_u64 << self.longer.iter().flatten().count()) as f64
     }
@@ -208,12 +210,13 @@ impl Schedule {
         self.samples.div_ceil(most).max(1) as f64 * self.interval()
     }
 
-    /// Duration of the whole run, as a number of the shortest windows.
+    /// Duration of the whole run, as a number of the shortest windows (times between two exchanges with the gas).
     pub fn length(&self) -> u64 {
         self.samples * self.windows_per_sample
     }
 
-    /// Number of windows of the whole run, where merged windows count as one.
+    /// Number of windows (times between two exchanges with the gas) of the whole run. Windows that are merged count as
+    /// one.
     pub fn windows(&self) -> u64 {
         let (mut windows, mut from, mut each) = (0, 0, self.windows_per_sample);
         for first in self.longer.iter().flatten() {
@@ -223,8 +226,8 @@ impl Schedule {
         windows + (self.samples - from) * each
     }
 
-    /// [s] allowance for rounding errors of a time: a millionth of a window. For comparison: the time after 1e9
-    /// windows, computed as 1e9 times their length, has a rounding error of 1e-7 of a window.
+    /// [s] allowance for rounding errors of a time: a millionth of the shortest window. For comparison: the time after
+    /// 1e9 windows, computed as 1e9 times the length of a window, has a rounding error of 1e-7 of a window.
     pub fn rounding(&self) -> f64 {
         1e-6 * self.window
     }
@@ -294,14 +297,16 @@ impl Schedule {
 /// fall, with D = 0 and w = g t, is the second error.
 #[derive(Clone, Copy, Debug)]
 struct DragScales {
-    /// [s] response time τ at the larger of two slip speeds: the initial one, and the one that gravity causes.
+    /// [s] response time τ at the larger of two slip speeds: the slip speed at the start, and the slip speed that
+    /// gravity causes.
     response: f64,
     /// [s] relaxation time τ_l at the slip speed that gravity causes.
     relaxation: f64,
-    /// [s²] ratio t/(1/τ_l - 1/τ_0) for a fall from rest that takes the time t. τ_l is the relaxation time at the final
-    /// speed, and τ_0 the one at rest. The ratio is infinite without a fall, or if drag is linear.
+    /// [s²] ratio t/(1/τ_l - 1/τ_0) for a fall from rest that takes the time t. τ_l is the relaxation time of the slip
+    /// at the final speed, and τ_0 the relaxation time at rest. The ratio is infinite without a fall, or if drag is
+    /// linear.
     fall: f64,
-    /// [1/s] collision rate ν of a particle.
+    /// [1/s] rate ν at which a particle collides.
     rate: f64,
     /// [1/s²] ratio σ² u'/(L_y U) for motion across the velocity profile of the gas. Here σ is the agitation (random
     /// motion of the particles), u' the gradient at the walls, L_y the width of the channel, and U the gas velocity.
@@ -352,7 +357,8 @@ impl DragScales {
         Some(Self { response: law.response_time(&sphere, slip.max(falling)), relaxation, fall, rate, crossing })
     }
 
-    /// [s] longest window for which all four errors in the comment of `DragScales` are within their limits.
+    /// [s] longest window for which the four errors by the splitting of drag from motion, which [`DragScales`]
+    /// describes, are within their limits.
     fn longest_window(&self) -> f64 {
         let alone = (24.0 * SPLITTING_ALONE).sqrt() * self.response.min(self.relaxation);
         let fall = (12.0 * SPLITTING_ALONE * self.fall).sqrt();
@@ -363,10 +369,10 @@ impl DragScales {
     }
 }
 
-/// [s] longest window if weight and buoyancy accelerate the species differently. One acceleration common to all species
-/// then acts during a window, and kicks at the ends of windows add the differences. Infinite if there are no
-/// differences. With a difference b [m/s²] the path within a window of length h differs by at most b h²/8 from a
-/// parabola. This distance is at most [`SAG`] times the smallest diameter.
+/// [s] longest window if weight and buoyancy accelerate the species differently. One acceleration common to all
+/// species then acts during a window, and kicks at the ends of windows add the differences. The result is infinite if
+/// there are no differences. With a difference b [m/s²] the path within a window of length h differs by at most b h²/8
+/// from a parabola. This distance is at most [`SAG`] times the smallest diameter.
 fn longest_with_kicks_of_buoyancy(scene: &Scene) -> f64 {
     let largest = scene.differences_in_gravity().iter().map(|difference| difference.norm()).fold(0.0, f64::max);
     if largest > 0.0 { (8.0 * SAG * scene.smallest_diameter() / largest).sqrt() } else { f64::INFINITY }
@@ -376,7 +382,7 @@ fn longest_with_kicks_of_buoyancy(scene: &Scene) -> f64 {
 /// particles are advanced separately from the motion of the particles. Within a window of length h the fluctuation
 /// changes by a share h r of its standard deviation, with the rate r of
 /// [`Turbulence::largest_rate`](crate::fluid::Turbulence::largest_rate). The relative error of this separation is a
-/// twelfth of the square of h r (trapezoidal rule). It is at most [`SPLITTING`].
+/// twelfth of the square of h r (trapezoidal rule). The window is so short that this error is at most [`SPLITTING`].
 pub fn longest_for_eddies(experiment: &Experiment) -> f64 {
     let scene = &experiment.scene;
     let Some(fluid) = &scene.fluid else { return f64::INFINITY };
@@ -454,8 +460,8 @@ pub fn align(experiments: &mut [&mut Experiment]) {
     }
 }
 
-/// [m/s] mean velocity of the particles of a population at the start, and root mean square fluctuation [m/s] of a
-/// velocity component.
+/// [m/s] mean velocity of the particles of a population at the start, and root mean square [m/s] of a velocity
+/// component about this mean.
 fn motion(population: &Population) -> (Vector3<f64>, f64) {
     let Amount::Placed(placed) = &population.amount else {
         return (population.velocity_mean, population.mean_fluctuation());
@@ -467,7 +473,7 @@ fn motion(population: &Population) -> (Vector3<f64>, f64) {
 }
 
 /// [1/s] gradient of the gas velocity where a sphere with this radius [m] touches a wall of the gas: the larger of the
-/// values at the lower and the upper wall. `height` [m] is that of the box.
+/// gradients at the lower and the upper wall. `height` [m] is the height of the box.
 fn wall_gradient(profile: &Profile, radius: f64, height: f64) -> f64 {
     let [low, high] = profile.between(height);
     let steep = |near: f64, far: f64| (profile.velocity(far) - profile.velocity(near)).abs() / radius;

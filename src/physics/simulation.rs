@@ -110,7 +110,7 @@ pub struct Simulation {
     /// soft time step that is too long, or a gas flow that is not finite. `None` if the simulation may run.
     refused: Option<Failure>,
     /// Upper limit of the growth of the energy by errors of the time integrator in soft contacts. The run fails if its
-    /// energy grows by more. `None` for other models.
+    /// energy grows by more. `None` if the model has no soft contacts.
     bound: Option<Bound>,
     /// [J] elastic energy of the overlaps at the start. `None` after the first window, when the soft engine has found
     /// its contacts, and for models without soft contacts.
@@ -176,8 +176,8 @@ impl Simulation {
         Self { refused, bound, unseen, servo, schedule_position, seed: experiment.run.seed, ..simulation }
     }
 
-    /// Creates a simulation at time 0 with an engine that the calling program supplies. If processes share the
-    /// simulation, the lead process (number 0) moves all particles.
+    /// Creates a simulation at time 0 with an engine that the calling program supplies. If several processes share the
+    /// simulation, this engine moves all particles in the lead process (number 0).
     pub fn with_engine(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> Self {
         let totals = SimulationTotals::of(&Sample::from(&particles));
         Self::with_totals(scene, particles, totals, SimulationEngine::Single(engine))
@@ -230,21 +230,21 @@ impl Simulation {
     }
 
     /// Sets the seed of the random numbers in kicks of turbulence and heat, at inlets, and in rebounds from rough and
-    /// thermal walls. Without this call the seed is 0, but in rebounds that of the scene ([`Scene::seed_walls`]).
+    /// thermal walls. Without this call the seed is 0; rebounds then use the seed of the scene ([`Scene::seed_walls`]).
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self.scene.seed_walls(seed);
         self
     }
 
-    /// Sets the clock that times the parts of the simulation.
+    /// Sets the clock that measures the time spent in the parts of the simulation.
     pub fn with_clock(mut self, clock: Clock) -> Self {
         self.engine.use_clock(clock.clone());
         self.clock = clock;
         self
     }
 
-    /// Clock that times the parts of the simulation and to which the simulation reports its progress.
+    /// Clock that measures the time spent in the parts of the simulation. The simulation reports its progress to it.
     pub fn clock(&self) -> Clock {
         self.clock.clone()
     }
@@ -255,7 +255,7 @@ impl Simulation {
     ///
     /// # Errors
     /// A failure of the engine, a particle that left the domain, an unstable soft time step, or energy that grew more
-    /// than errors of the time integrator explain. The state is then that at which the failure was detected.
+    /// than errors of the time integrator explain. The state remains as it was when the failure was detected.
     pub fn run(&mut self, windows: u64, window: f64) -> Result<(), Failure> {
         let result = self.run_while(windows, window, &mut |_, _| true).map(drop);
         self.gather(1);
@@ -263,9 +263,9 @@ impl Simulation {
     }
 
     /// Runs windows like [`run`](Self::run), but only as long as `go_on` returns true, and returns the number of
-    /// windows done. `go_on` is called at the end of every window but the last, with the number of windows done in this
-    /// call. A stopped run can be continued for the remaining windows, here or from a [`snapshot`](Self::snapshot). All
-    /// bits of the results are then those of a run without a stop.
+    /// windows done. `go_on` is called at the end of every window but the last, with the number of windows done in
+    /// this call. A stopped run can be continued for the remaining windows, here or from a
+    /// [`snapshot`](Self::snapshot). The results are then, bit by bit, those of a run without a stop.
     ///
     /// If several processes share the run, each may hold only its part of the particles when `go_on` is called and
     /// after the run. [`gather`](Self::gather) gathers the parts, and [`sample`](Self::sample) is used for sums over
@@ -273,7 +273,7 @@ impl Simulation {
     ///
     /// At the calls of `go_on`, and after a run that was stopped, velocities lack the change by drag in half a window
     /// (half-kick). [`with_synchronised_velocities`](Self::with_synchronised_velocities) and
-    /// [`finish_half_kick`](Self::finish_half_kick) apply it.
+    /// [`finish_half_kick`](Self::finish_half_kick) apply this change.
     ///
     /// # Errors
     /// Errors of [`run`](Self::run).
@@ -466,7 +466,7 @@ impl Simulation {
         answer
     }
 
-    /// Checks that all particles are in the domain and the energy in its limit, and balances the load of processes.
+    /// Checks that all particles are in the domain and the energy within its limit, and balances the load of processes.
     fn check(&mut self) -> Result<(), Failure> {
         // the other processes check their particles at the same time
         self.order(&Order::Check);

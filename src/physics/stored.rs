@@ -7,7 +7,7 @@
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// The stored data of one engine or observer.
+/// The stored data of one engine or observer (measurement during a run), as bytes.
 ///
 /// ```
 /// # extern crate diptych_physics as diptych;
@@ -40,12 +40,12 @@ impl From<Vec<u8>> for Stored {
 }
 
 impl Stored {
-    /// The stored bytes.
+    /// The stored data as bytes, without the type of the value.
     pub fn as_bytes(&self) -> &[u8] {
         &self.0
     }
 
-    /// Stores a value.
+    /// Stores a value as bytes.
     ///
     /// # Errors
     /// If the value contains a sequence whose length is not known in advance. No type that derives `Serialize` without
@@ -54,7 +54,7 @@ impl Stored {
         Ok(Self(postcard::to_stdvec(value)?))
     }
 
-    /// Reads the value; `T` must be the type that was stored.
+    /// Reads the stored value; its type `T` must be the type that was stored.
     ///
     /// # Errors
     /// If the bytes cannot be a value of type `T`, or if bytes are left after the value.

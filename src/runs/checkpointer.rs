@@ -16,7 +16,7 @@ use crate::stored::StoreError;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Stores the states of the runs of a command, and tells a run when it must pause or stop.
+/// Stores the states of the runs of a command at intervals, and tells a run when it must pause or stop.
 pub struct Checkpointer {
     signals: Signals,
     /// Store for the files of checkpoints; `None` if the command writes no checkpoints.
@@ -37,7 +37,7 @@ pub struct Checkpointer {
     unwritten: Option<String>,
     quiet: bool,
     resumed: bool,
-    /// Command that resumes this command if it stops, for messages.
+    /// Text for messages: the command line that continues this command after it has stopped.
     remedy: String,
     /// Place to which the final state of a run and the data of its observers (measurements during the run) go.
     ends: Ends,
@@ -47,14 +47,16 @@ pub struct Checkpointer {
 /// during the run).
 #[derive(Clone, Default)]
 enum Ends {
-    /// A file. It is written if the command has more work after the run, or if an earlier state of the run was stored.
+    /// The end of the run goes to a file. The file is written if the command has more work after the run, or if an
+    /// earlier state of the run was stored.
     #[default]
     Stored,
-    /// Memory: another process needs the end of the run, as these bytes. There are no bytes until the run has ended.
+    /// The end of the run goes to memory, because another process needs it as these bytes. There are no bytes until
+    /// the run has ended.
     Caught(Vec<u8>),
-    /// Memory: another process has done the run, and has sent its end as these bytes.
+    /// The end of the run is already in memory: another process has done the run, and has sent the end as these bytes.
     Received(Vec<u8>),
-    /// No place: the end of the run is not stored. The result that is computed from the run is stored instead.
+    /// The end of the run is not stored. The result that is computed from the run is stored instead.
     Replaced,
 }
 
@@ -237,8 +239,8 @@ impl Checkpointer {
         }
     }
 
-    /// Records if the command has more work after the next run, such as other runs or a report. If `more` is false,
-    /// the command ends after this run.
+    /// Records whether the command has more work after the next run, such as other runs or a report. If `more` is
+    /// false, the command ends after this run.
     pub fn set_more(&mut self, more: bool) {
         self.more = more;
     }
@@ -266,7 +268,7 @@ impl Checkpointer {
     }
 
     /// Stores the state of a run that has not ended. If several processes share the run, the parts of its state have
-    /// been stored before; `parts` is an error if this failed. Returns true if the command must stop. If storing
+    /// been stored before; `parts` is the error if this failed. Returns true if the command must stop. If storing
     /// fails, a warning is printed, the run continues, and the state that was stored before remains.
     pub fn keep(&mut self, run: &RunIdentity, kept: &StoredRun, parts: Result<(), OutputError>) -> bool {
         if let Some(store) = &mut self.store {
@@ -289,8 +291,8 @@ impl Checkpointer {
     }
 
     /// True if the final state of a run and the data of its observers (measurements) must be stored or sent to another
-    /// process. They are stored if the command has more work after the run, or if an earlier state of the run was
-    /// stored.
+    /// process. This is so if another process needs these data, if the command has more work after the run, or if an
+    /// earlier state of the run was stored. It is never so if only results are stored.
     pub fn wants_the_end(&self) -> bool {
         match self.ends {
             Ends::Caught(_) => true,
@@ -300,7 +302,7 @@ impl Checkpointer {
     }
 
     /// Stores the final state of a run and the data of its observers (measurements). If several processes share the
-    /// run, the parts of the final state have been stored before; `parts` is an error if this failed. After an error,
+    /// run, the parts of the final state have been stored before; `parts` is the error if this failed. After an error,
     /// a warning is printed. If another process needs these data, they are put into memory as bytes instead.
     ///
     /// # Errors
@@ -379,8 +381,8 @@ impl Checkpointer {
         self.stopped
     }
 
-    /// Error with which a stopped command ends, after the report on its completed part has been written. `name` is that
-    /// of the stopped run.
+    /// Error with which a stopped command ends, after the report on its completed part has been written. `name` is the
+    /// name of the stopped run.
     pub fn stop_error(&self, name: &str) -> StudyError {
         if let Some(why) = &self.unwritten {
             let help = match (&self.store, self.stored) {

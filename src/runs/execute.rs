@@ -157,11 +157,11 @@ pub fn follow(run: &ResumableRun, others: &mut [&mut dyn Observer], ranks: &Rank
     });
 }
 
-/// Makes the simulation of a run from `start`, or from the stored state if there is one. Also returns the position
-/// (place in the schedule) from which the run continues; `begun` is this position for a run at its start. The last
-/// result is `None` if the run goes on. For a stored run that had ended, the last result contains the failure of the
-/// run, or `Some(None)` without a failure. The first `common` of the `observers` (measurements during the run) exist
-/// in all processes.
+/// Makes the simulation of a run from `start`, or from the stored state if there is one. The second result is the
+/// position (place in the schedule) from which the run continues; `begun` is this position for a run at its start. The
+/// third result is `None` if the run goes on. For a stored run that had ended, it is the failure of the run, or
+/// `Some(None)` without a failure. The first `common` of the `observers` (measurements during the run) exist in all
+/// processes.
 fn begin_or_resume(
     run: &ResumableRun,
     start: Start,
@@ -269,7 +269,7 @@ impl Beginning {
         }
     }
 
-    /// This value as bytes. The lead process sends them to the other processes as a message.
+    /// Returns this value as bytes, the form in which the lead process sends it to the other processes.
     fn told(self) -> Vec<u8> {
         vec![self as u8]
     }

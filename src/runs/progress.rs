@@ -28,8 +28,8 @@ const REFRESH: Duration = Duration::from_millis(200);
 /// Number of positions of the progress bar from empty to full.
 const TICKS: u64 = 10_000;
 
-/// [-] share of the wall time of a run over which the present speed is measured. It is the latest part of this time.
-/// The speed may change: a settling bed, for example, becomes slower.
+/// [-] share of the wall time of a run, at its present end, over which the present speed is measured. The speed may
+/// change: a settling bed, for example, becomes slower.
 const RECENT: f64 = 1.0 / 3.0;
 
 /// [s] wall time of a run after which its remaining time is estimated. A run first makes lists and tables, so its
@@ -42,7 +42,7 @@ pub struct Progress {
     show: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
-/// Progress of all runs of a command, and the form in which it is displayed.
+/// Progress of all runs of a command, and the form of its display. The display thread and the runs share these data.
 struct Board {
     runs: Vec<RunProgress>,
     display: ProgressDisplay,
@@ -80,7 +80,7 @@ impl RunProgress {
 enum RunStage {
     Waiting,
     Running(Track),
-    /// The run has ended. The numbers are its simulated time and its wall time [s].
+    /// The run has ended. The two numbers [s] are the simulated time that it reached and its wall time.
     Over([f64; 2]),
 }
 
@@ -310,7 +310,7 @@ impl Board {
         self.runs.iter_mut().map(one).collect()
     }
 
-    /// Completed share of all runs [-], and a line of text on all runs and on the run with the index `k`.
+    /// Simulated share of all runs [-], from 0 to 1, and a line of text on all runs and on the run with the index `k`.
     fn line(&mut self, k: usize) -> (f64, String) {
         let rates = self.rates();
         let (time, rate) = rates[k];
@@ -386,7 +386,7 @@ mod tests {
     use indicatif::{ProgressDrawTarget, TermLike};
     use std::io::Result;
 
-    /// Terminal with a given number of columns. It stores the text that is drawn on it.
+    /// Terminal for tests, with a given number of columns. It stores the text that is drawn on it.
     #[derive(Clone, Debug)]
     struct Narrow(u16, Arc<Mutex<Vec<String>>>);
 

@@ -187,16 +187,16 @@ fn crew<'scope, 'env, A: Send + 'scope>(
 
 /// Event for which a process waits, such as the end of a run.
 enum Heard<A> {
-    /// A run has ended in this process: its index and its result.
+    /// A run has ended in this process. The values are its index and its result.
     Here(usize, A),
-    /// This message of another process has arrived.
+    /// A message of another process has arrived.
     There(Message),
-    /// Nothing has happened during the longest waiting time.
+    /// Nothing has happened during the longest waiting time, `REPORT_INTERVAL`.
     Nothing,
 }
 
-/// Waits for the end of a run in this process, or for a message. With several processes, it waits at most
-/// [`REPORT_INTERVAL`]. `None` if all worker threads have ended.
+/// Waits for the end of a run in this process, or for a message from another process. With several processes, the
+/// function waits at most [`REPORT_INTERVAL`]. `None` if all worker threads have ended.
 fn wait<A>(answers: &Receiver<(usize, A)>, ranks: &Ranks) -> Option<Heard<A>> {
     if ranks.count() == 1 {
         return answers.recv().ok().map(|(index, answer)| Heard::Here(index, answer));

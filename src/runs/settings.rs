@@ -67,7 +67,7 @@ impl CommandSettings {
     }
 
     /// Changes the origin of a command from `Typed` to `TypedAgain`: the command continues the runs of an earlier
-    /// command in its folder.
+    /// command with the same folder.
     pub fn goes_on(&mut self) {
         if let CommandOrigin::Typed = self.origin {
             self.origin = CommandOrigin::TypedAgain;

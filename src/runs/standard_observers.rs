@@ -145,8 +145,8 @@ fn timing(simulation: &Simulation) -> Timing {
 }
 
 /// [s] time step of the run. It is the mean step if all particles move in common steps (soft spheres with uniform
-/// steps, hard spheres in steps, DSMC), else the step of soft contacts. `None` without time steps. `window` [s] is the
-/// largest step of soft contacts.
+/// steps, hard spheres in steps, DSMC), otherwise the step of soft contacts, which is at most `window` [s]. `None` if
+/// the run has no time steps.
 fn time_step(experiment: &Experiment, simulation: &Simulation, window: f64) -> Option<f64> {
     let steps = simulation.counters().steps;
     match (experiment.model(), experiment.soft.stepping) {

@@ -19,8 +19,9 @@ pub fn tell(line: impl Display) {
     let _ = writeln!(stderr().lock(), "{}", legible::lines(&line));
 }
 
-/// Prints the final sentences of a study on standard output, then `what` and the path `file` of the file with all
-/// results. If the sentences cannot be printed, a warning is printed; all results are in the folder nevertheless.
+/// Prints the final sentences of a study on standard output, then a line with the word `what` (such as "Report") and
+/// the path `file` of the file with all results. If the sentences cannot be printed, a warning is printed; all results
+/// are in the folder nevertheless.
 pub fn conclude(sentences: &[String], what: &str, file: &Path) {
     let lines: String = sentences.iter().map(|sentence| format!("{sentence}\n")).collect();
     if let Err(why) = answer(&format!("{lines}{what}: {}\n", file.display())) {

@@ -44,7 +44,7 @@ pub struct ThreadBudget {
 }
 
 impl ThreadBudget {
-    /// Number of runs that are done at the same time, out of `count` runs, and number of threads of each of them.
+    /// Number of runs that are done at the same time if there are `count` runs, and number of threads of each of them.
     pub fn of(self, count: usize) -> (usize, usize) {
         let at_once = if self.in_turn { 1 } else { self.threads.min(count).max(1) };
         (at_once, (self.threads / at_once).max(1))

@@ -6,14 +6,15 @@
 //! step zero as by Bulirsch and Stoer (Hairer, Nørsett and Wanner 1993, Solving Ordinary Differential Equations I,
 //! section II.9).
 
-/// Number of midpoint sequences, which have 2, 4, ..., 12 substeps. Extrapolation from six sequences is of twelfth
-/// order in the step.
+/// Number of results of the midpoint rule, with 2, 4, ..., 12 substeps, from which a step is extrapolated to substep
+/// zero. Extrapolation from six results is of twelfth order in the step.
 const SEQUENCES: usize = 6;
 /// [-] allowed error of L = ln(w/w_0) in one step, relative to |L| at the end of the step. It is a tenth of the
 /// documented accuracy of 1e-12, because the errors of several steps add up.
 const TOLERANCE: f64 = 1e-13;
-/// [-] shortest step, divided by the time integrated so far. Rounding would make the end of a shorter step equal to its
-/// start. Where the response time jumps, steps become this short. The error is then the jump times this constant.
+/// [-] shortest step, divided by the time integrated so far. Rounding would make the end of a shorter step equal to
+/// its start. Where the response time τ jumps, steps become this short. The error of ln(w), with the slip speed w, is
+/// then about the jump of 1/τ times the step.
 const SHORTEST: f64 = 8.0 * f64::EPSILON;
 
 /// [-] solution L = ln(w/w_0) of dL/dt = `rate`(L) after `duration` [s], with the slip speed w, L = 0 at the start and
@@ -45,9 +46,9 @@ pub(super) fn integrate(rate: &dyn Fn(f64) -> f64, duration: f64) -> f64 {
 }
 
 /// [-] change of L = ln(w/w_0) in one step of length `step` [s] from the value `start`, and the estimated error of the
-/// change. The error is the difference between the extrapolations with and without the last midpoint sequence. Results
-/// of the last sequence alone, extrapolated to different orders, give no safe estimate, because they may agree by
-/// chance where the law jumps.
+/// change. The change is extrapolated from results of the midpoint rule with 2, 4, ..., 12 substeps. The error is the
+/// difference between the extrapolations with and without the last result. A comparison of two extrapolations that
+/// both use the last result would not be safe, because the two may agree by chance where the law jumps.
 fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
     let first = rate(start);
     // one row of the scheme of Aitken and Neville, which extrapolates in the square of the substep
@@ -67,7 +68,7 @@ fn extrapolate(rate: &dyn Fn(f64) -> f64, start: f64, step: f64) -> (f64, f64) {
 }
 
 /// [-] change of L = ln(w/w_0) over `step` [s], by `substeps` steps of the midpoint rule. `start` is L at the start,
-/// and `first` is dL/dt [1/s] there. The last two values are averaged (Gragg).
+/// and `first` is dL/dt [1/s] there. As in Gragg's method, the result is smoothed over the last substeps.
 fn midpoint(rate: &dyn Fn(f64) -> f64, (start, first): (f64, f64), step: f64, substeps: usize) -> f64 {
     let h = step / substeps as f64;
     // all values are relative to the start, so that a short step keeps its digits

@@ -37,9 +37,9 @@ const NODES: [f64; TERMS] = [0.0, 0.146_446_609_406_726_24, 0.5, 0.853_553_390_5
 /// checked at these positions.
 const CHECKS: [f64; TERMS - 1] = [0.05, 0.32, 0.68, 0.95];
 
-/// Coefficients [-] of the polynomial of a piece, constant term first. The variable is the position within the piece,
-/// from 0 to 1. All coefficients are not-a-number if the error of the piece exceeds `TOLERANCE`, as where the law
-/// switches between two formulas.
+/// Coefficients [-] of the polynomial of a piece of the table, constant term first. The variable is the position
+/// within the piece, from 0 to 1. All coefficients are not-a-number if the error of the piece exceeds `TOLERANCE`, for
+/// example where the drag law switches between two formulas.
 type Piece = [f64; TERMS];
 
 /// Drag kick: change of the slip velocity of particles by drag alone in a given time, for spheres of each species.
@@ -48,8 +48,8 @@ pub struct Kick {
     law: Drag,
     duration: f64,
     species: Vec<SpeciesTable>,
-    /// [m] for each species whose particles differ in size, the diameter of the sphere in its `SpeciesTable`; `None`
-    /// for other species. The list is empty if all species have particles of one size.
+    /// [m] one entry per species. If the particles of the species differ in size, it is the diameter of the sphere in
+    /// the `SpeciesTable` of this species; otherwise `None`. The list is empty if no species has several sizes.
     spread: Vec<Option<f64>>,
 }
 
@@ -62,16 +62,16 @@ struct SpeciesTable {
 }
 
 impl Kick {
-    /// Makes a drag kick over `duration` [s] without a table, which evaluates the law itself. Such a kick is used for
-    /// few particles, and as a reference.
+    /// Makes a drag kick over `duration` [s] without a table, so that every change is computed by the drag law itself.
+    /// Such a kick is used for few particles, and as a reference.
     pub fn exact(law: &Drag, spheres: &[Sphere], duration: f64) -> Self {
         let species = spheres.iter().map(|&sphere| SpeciesTable { sphere, pieces: Vec::new() }).collect();
         Self { law: law.clone(), duration, species, spread: Vec::new() }
     }
 
     /// Returns the kick for species whose particles may differ in diameter. `diameters` has one entry per species: the
-    /// diameter [m] of its `Sphere`, or `None` if all its particles have this diameter. A table is valid for one size
-    /// only. For particles of species with several sizes, the law itself is evaluated.
+    /// diameter [m] of its [`Sphere`], or `None` if all its particles have this diameter. A table is valid for one
+    /// size only. For particles of species with several sizes, the drag law itself is evaluated.
     pub fn with_sizes(mut self, diameters: Vec<Option<f64>>) -> Self {
         self.spread = diameters;
         self
@@ -170,14 +170,15 @@ impl Kick {
     }
 }
 
-/// Number of the piece of the table that contains `square` = w² [m²/s²]: exponent and leading mantissa bits of this
-/// floating-point number, as an integer.
+/// Number of the piece of the table that contains `square` = w² [m²/s²], with the slip speed w: exponent and leading
+/// mantissa bits of this floating-point number, as an integer. The first piece has the number `leading(LOWEST)`.
 #[inline]
 fn leading(square: f64) -> u64 {
     square.to_bits() >> REST_BITS
 }
 
-/// Value of the polynomial of a piece of the table at a position within the piece, from 0 to 1.
+/// Value of the polynomial of a piece of the table: the relative change of the slip velocity at the position `place`
+/// within the piece, from 0 to 1.
 #[inline]
 fn value(piece: &Piece, place: f64) -> f64 {
     let [a, b, c, d, e] = *piece;
@@ -191,7 +192,7 @@ mod tests {
 
     const LAW: Drag = Drag::SchillerNaumann(SchillerNaumann);
 
-    /// Spheres of the paper (`docs/paper.md`), of 406 µm and 1.5 mm, in air.
+    /// Spheres of the paper (`docs/paper.md`), with diameters of 406 µm and 1.5 mm, in air.
     const SPHERES: [Sphere; 2] = [
         Sphere { stokes_time: 0.520_687_601, reynolds_per_speed: 406e-6 / 1.515e-5, fraction: 0.0 },
         Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5, fraction: 0.0 },

@@ -37,7 +37,8 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// Returns a sphere of the same material in the same gas that is `ratio` [-] times as large: τ ∝ d², Re ∝ d.
+    /// Returns a sphere of the same material in the same gas, with a diameter `ratio` [-] times as large. The Stokes
+    /// response time grows with the square of the diameter, the Reynolds number with the diameter.
     #[inline]
     pub fn scaled(&self, ratio: f64) -> Self {
         Self {
@@ -117,16 +118,16 @@ pub trait DragLaw: std::fmt::Debug + Send + Sync {
     /// [m/s] before; at most 0. The gas velocity is constant. The logarithm is -∫dt/τ, from the exact solution of
     /// dw/dt = -w/τ(w).
     ///
-    /// A kick (change of the velocities by drag in a given time) needs this ratio minus 1, which is more precise if it
-    /// is computed from the logarithm. A law with a closed form overrides this method. By default the equation is
-    /// integrated to a relative error of 1e-12.
+    /// A kick (change of the velocities by drag in a given time) needs the ratio of the two speeds minus 1, which is
+    /// more precise if it is computed from the logarithm. A law with a closed form overrides this method. By default
+    /// the equation is integrated to a relative error of 1e-12.
     fn log_decay(&self, sphere: &Sphere, slip: f64, duration: f64) -> f64 {
         flow::integrate(&|log| -1.0 / self.response_time(sphere, slip * log.exp()), duration)
     }
 
     /// [s] relaxation time τ_l(w) = 1/(d(w/τ)/dw) of a small change of the slip speed, at the slip speed w = `slip` >=
-    /// 0 [m/s]. The default method uses central differences of fourth order over a thousandth of the slip. It is
-    /// accurate to 1e-10 where the law is smooth.
+    /// 0 [m/s], with the response time τ. The default method uses central differences of fourth order, from slip
+    /// speeds that differ from w by at most a thousandth. It is accurate to 1e-10 where the law is smooth.
     fn relaxation_time(&self, sphere: &Sphere, slip: f64) -> f64 {
         if slip == 0.0 {
             return self.response_time(sphere, slip);
@@ -184,7 +185,8 @@ impl PartialEq for Drag {
 }
 
 impl Serialize for Drag {
-    /// Serializes a drag law as its name. A law with parameters is serialized as a table, as in a case.
+    /// Serializes a drag law as its name. A law with parameters is serialized as a table of its parameters under its
+    /// name, as in a case (input file).
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (name, parameters) = (self.law().name(), self.law().parameters());
         if parameters.is_empty() {

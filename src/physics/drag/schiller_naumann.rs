@@ -3,31 +3,35 @@
 
 use super::{DragLaw, Sphere};
 
-/// [-] exponent p of the drag coefficient C_D = 24/Re (1 + 0.15 Re^p): Schiller and Naumann 1935; the paper's Eq. 2.
+/// [-] exponent p of the drag coefficient C_D = 24/Re (1 + 0.15 Re^p), with the Reynolds number Re: Schiller and
+/// Naumann 1935, to which Eq. 2 of the paper (`docs/paper.md`) refers.
 const EXPONENT: f64 = 0.687;
-/// [-] factor 0.15 in the drag coefficient C_D = 24/Re (1 + 0.15 Re^p): Schiller and Naumann 1935; the paper's Eq. 2.
+/// [-] factor 0.15 of the drag coefficient C_D = 24/Re (1 + 0.15 Re^0.687), with the Reynolds number Re: Schiller and
+/// Naumann 1935, to which Eq. 2 of the paper (`docs/paper.md`) refers.
 const FACTOR: f64 = 0.15;
-/// [-] Reynolds number up to which the formula for C_D is valid: the paper's Eq. 2.
+/// [-] Reynolds number Re up to which C_D = 24/Re (1 + 0.15 Re^0.687) is valid: Schiller and Naumann 1935.
 const SWITCH: f64 = 1000.0;
-/// [-] constant drag coefficient C_D at Reynolds numbers above `SWITCH` (Newton's regime): the paper's Eq. 2.
+/// [-] constant drag coefficient C_D at Reynolds numbers above `SWITCH` (Newton's regime), as usual with the law of
+/// Schiller and Naumann: docs/theory/gas.md.
 const PLATEAU: f64 = 0.44;
-/// [-] product C_D Re of Stokes drag, which is 24.
+/// [-] product C_D Re of drag coefficient and Reynolds number in Stokes drag.
 const STOKES: f64 = 24.0;
 
 /// [-] slip Reynolds number above which a warning is given: ten times the largest number at which the formula of
 /// Schiller and Naumann is valid.
 const FAR: f64 = 10.0 * SWITCH;
 
-/// Drag law of Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, and C_D = 0.44 above. The
-/// paper's Eq. 2 refers to this correlation; the constants are those of the literature.
+/// Drag law of Schiller and Naumann (1935): C_D = 24/Re (1 + 0.15 Re^0.687) up to Re = 1000, and C_D = 0.44 above. Eq.
+/// 2 of the paper (`docs/paper.md`) refers to this correlation; the constants are those of the literature. Re is the
+/// Reynolds number, C_D the drag coefficient.
 ///
 /// At Re = 1000 C_D jumps by 0.4 % (from 0.4383 to 0.44). The law is valid for a single rigid sphere in steady motion
 /// at Re < 2e5. It neglects neighbours, lift, added mass and history force.
 ///
-/// Drag alone decreases the slip speed w as follows, with s = 0.15 Re^p, p = 0.687 and the Stokes response time τ_S. Up
-/// to Re = 1000, dw/dt = -(1 + s) w/τ_S. This Bernoulli equation is linear in w^-p. Above Re = 1000, dw/dt = -C_D Re/24
-/// w/τ_S with C_D = 0.44. This equation is linear in 1/w. Both equations have closed solutions. If the sphere starts
-/// above Re = 1000 and ends below, the solutions are used one after the other.
+/// Drag alone decreases the slip speed w as follows, with s = 0.15 Re^p, p = 0.687 and the Stokes response time τ_S.
+/// Up to Re = 1000, dw/dt = -(1 + s) w/τ_S. This Bernoulli equation is linear in w^-p. Above Re = 1000, dw/dt = -C_D
+/// Re/24 w/τ_S with C_D = 0.44. This equation is linear in 1/w. Both equations have closed solutions. If the sphere
+/// starts above Re = 1000 and ends below, the two solutions are used one after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SchillerNaumann;
 
@@ -104,11 +108,12 @@ mod tests {
 
     const LAW: SchillerNaumann = SchillerNaumann;
 
-    /// The paper's spheres of 1.5 mm in air: Re = 1000 at 10.1 m/s.
+    /// The paper's spheres (`docs/paper.md`) of 1.5 mm diameter in air, for which Re = 1000 at a slip speed of 10.1
+    /// m/s.
     const LARGE: Sphere = Sphere { stokes_time: 7.066_266_793, reynolds_per_speed: 1.5e-3 / 1.515e-5, fraction: 0.0 };
 
-    /// Slip speed [m/s] after `duration` [s] from the slip speed `slip` [m/s]. The equation dw/dt = -w/τ(w) is
-    /// integrated by the classical fourth-order Runge-Kutta method.
+    /// Slip speed w [m/s] after `duration` [s] of drag alone, from the slip speed `slip` [m/s]. The equation dw/dt =
+    /// -w/τ(w), with the response time τ, is integrated by the classical fourth-order Runge-Kutta method.
     fn integrate(slip: f64, duration: f64, steps: usize) -> f64 {
         let rate = |w: f64| -w / LAW.response_time(&LARGE, w);
         let h = duration / steps as f64;

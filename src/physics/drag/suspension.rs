@@ -3,9 +3,10 @@
 //! Let w be the slip velocity: the velocity of the gas between the particles relative to the sphere. Let ε = 1 - φ be
 //! the volume fraction of the gas. Two forces of the gas act on a sphere in a suspension: friction, and the pressure
 //! gradient of the flow past all particles. Their sum is the friction divided by ε. The gas is given in this program,
-//! so no other part of the program computes this pressure gradient. The force of a law here is therefore the sum, 3π μ
-//! d w F, with the dynamic viscosity μ. F is the usual dimensionless drag force: the friction divided by 3π μ d ε w.
-//! The Reynolds number is Re = ε w d/ν.
+//! so no other part of the program computes this pressure gradient. A law in this file therefore gives the sum of both
+//! forces, 3π μ d w F, with the dynamic viscosity μ and the diameter d of the sphere. F is the usual dimensionless
+//! drag force: the friction divided by 3π μ d ε w. The Reynolds number is Re = ε w d/ν, with the kinematic viscosity
+//! ν.
 
 use super::{DragLaw, SchillerNaumann, Sphere, flow};
 
@@ -15,7 +16,7 @@ const DENSEST: f64 = 0.740_480_489_693_061_1;
 /// [-] time step in the integration of a kick (change of the velocities by drag in a given time), divided by the
 /// response time. The Runge-Kutta method of fourth order then has a relative error of at most 0.02⁴/120 = 1.3e-9.
 const STEP: f64 = 0.02;
-/// Largest number of Runge-Kutta steps in a kick. Longer kicks are integrated with adaptive steps instead.
+/// Largest number of Runge-Kutta steps in a kick. A kick that needs more is integrated with adaptive steps instead.
 const MOST_STEPS: f64 = 10.0;
 
 /// Law for the drag of spheres in a suspension, from experiments or from simulations that resolve the flow between the
@@ -52,7 +53,8 @@ impl SuspensionLaw {
     /// All drag laws for suspensions.
     pub const ALL: [Self; 5] = [Self::WenYu, Self::Gidaspow, Self::Beetstra, Self::Tenneti, Self::DiFelice];
 
-    /// [-] dimensionless drag force F at a volume fraction `phi` of particles and a Reynolds number `re` = ε w d/ν.
+    /// [-] dimensionless drag force F: drag over the Stokes drag 3π μ d w at the slip speed w. `phi` is the volume
+    /// fraction of particles, and `re` the Reynolds number ε w d/ν, with the volume fraction ε = 1 - `phi` of the gas.
     pub fn force(self, phi: f64, re: f64) -> f64 {
         let e = 1.0 - phi;
         match self {
@@ -160,8 +162,7 @@ impl DragLaw for SuspensionDrag {
 mod tests {
     use super::*;
 
-    /// The integration of short kicks by Runge-Kutta steps agrees with the adaptive integration, which is accurate to
-    /// 1e-12.
+    /// The integration of short kicks by Runge-Kutta steps agrees with `flow::integrate`, which is accurate to 1e-12.
     #[test]
     fn short_kicks_agree_with_adaptive_ones() {
         for law in SuspensionLaw::ALL {

@@ -9,9 +9,9 @@ const PACKED: f64 = 0.64;
 
 impl Experiment {
     /// Expected largest number of particles of each species in the scene: those of the start, and those that inlets
-    /// bring. With outlets, an inlet contributes at most the particles that come in while one particle crosses the
-    /// diagonal of the box, and one more. The speed of this particle is the root mean square of the speeds at the
-    /// inlet. Particles from inlets fill at most the volume fraction of random close packing.
+    /// bring. In a scene with outlets, an inlet contributes at most the particles that come in while one particle
+    /// crosses the diagonal of the box, and one more. The speed of this particle is the root mean square of the speeds
+    /// at the inlet. Particles from inlets fill at most the volume fraction of random close packing.
     ///
     /// Without inlets these are the numbers at the start.
     pub fn expected_counts(&self) -> Vec<f64> {

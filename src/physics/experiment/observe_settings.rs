@@ -59,7 +59,7 @@ impl ObserveSettings {
         *self == Self::default()
     }
 
-    /// Names, as in the case, of the measurements that the case asks for.
+    /// Names of the measurements that the case asks for, as they are written in the case (input file).
     pub fn names(&self) -> Vec<&'static str> {
         let asked = [
             self.pair_distribution.is_some(),
@@ -89,7 +89,8 @@ pub struct PairDistributionSettings {
 /// Settings of the measurement of the distribution of the velocities.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct VelocityDistributionSettings {
-    /// [-] largest speed of the histogram in units of sqrt(2T), with the granular temperature T.
+    /// [-] largest speed of the histogram in units of sqrt(2T), with the granular temperature T (mean square of one
+    /// velocity component's fluctuation).
     pub largest_speed: f64,
     /// Number of bins of the histogram of velocities.
     pub bins: usize,
@@ -139,7 +140,7 @@ pub struct ClustersSettings {
 pub struct FreeSurfaceSettings {
     /// Vertical axis (0: x, 1: y, 2: z), and the sign of the upward direction along it (+1 or -1).
     pub up: (usize, f64),
-    /// [m] edge of the columns whose heights are measured.
+    /// [m] approximate edge length of the columns into which the layer is divided; each column has one height.
     pub spacing: f64,
     /// [m] standard deviation of the Gaussian that smooths the heights; 0 for heights as they are.
     pub smoothing: f64,

@@ -9,7 +9,7 @@ use serde::Serialize;
 /// The stresses of the undisturbed gas act on a sphere with the force ρ_f V (DU/Dt - g) (Maxey and Riley 1983, Phys.
 /// Fluids 26, 883). The acceleration DU/Dt of the gas, with the velocity U, is left out. In a gas that particles do
 /// not change, the acceleration of the mean flow is zero, because the profile is steady, directed along z and constant
-/// along z. [`Scene::add_buoyancy`](crate::Scene::add_buoyancy) makes this value.
+/// along z. [`Scene::add_buoyancy`](crate::Scene::add_buoyancy) creates this buoyancy for a scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Buoyancy {
     /// [m/s²] acceleration g by gravity alone.

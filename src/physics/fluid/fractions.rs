@@ -36,7 +36,7 @@ type Portions = [(usize, f64); 2];
 impl LocalFractions {
     /// Computes the volume fractions of particles in a grid of equal cells. `cells` contains the numbers of cells
     /// along x, y and z. With a communicator, each process passes its own particles, and all processes receive the
-    /// fractions of all particles. A cell must be at least as wide as a sphere.
+    /// fractions due to all particles. A cell must be at least as wide as a sphere.
     pub fn of(
         particles: &Particles,
         domain: &Domain,

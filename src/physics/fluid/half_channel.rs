@@ -42,7 +42,7 @@ pub(super) struct HalfChannel {
 pub(super) struct SweepStep<'a> {
     /// [-] weight of the newly computed values in the next iterate; the previous values have the remaining weight.
     pub relaxation: f64,
-    /// [-] inverse of the time step in wall units, for the implicit Euler scheme; 0 for the steady equations.
+    /// [-] 1/Δt in wall units, with the time step Δt of the implicit Euler scheme; 0 for the steady equations.
     pub rate: f64,
     /// Rate at which particles damp the turbulent kinetic energy, one value per cell in wall units, followed by the
     /// factor by which this rate is multiplied in the equation of the dissipation rate.
@@ -121,7 +121,7 @@ impl HalfChannel {
     }
 
     /// [-] area of a surface at the distance `y` from the wall, over the area of the wall: 1 in a channel, r/R in a
-    /// pipe.
+    /// pipe of radius R, with the distance r = R - `y` from the axis.
     pub fn area(&self, y: f64) -> f64 {
         match self.section {
             Section::Channel => 1.0,
@@ -135,22 +135,25 @@ impl HalfChannel {
         (end - start) * self.area(0.5 * (start + end))
     }
 
-    /// [-] total shear stress 1 - y/h of a gas alone at the distance `y` from the wall, in units of the wall stress.
+    /// [-] total shear stress 1 - y/h of a gas without particles at the distance `y` from the wall, in units of the
+    /// wall stress. The half height h of the channel, or the radius of the pipe, is in wall units, like `y`.
     pub fn stress(&self, y: f64) -> f64 {
         1.0 - y / self.reynolds_tau
     }
 
-    /// [-] shear stress at the face number `face`, in units of the wall stress of the gas alone.
+    /// [-] shear stress at the face number `face`, in units of the wall stress of the gas without particles.
     pub fn stress_at_face(&self, face: usize) -> f64 {
         self.face_stress.as_ref().map_or_else(|| self.stress(self.face[face]), |stress| stress[face])
     }
 
-    /// [-] shear stress at the wall, in units of the wall stress of the gas alone; 1 in a gas alone.
+    /// [-] shear stress at the wall, in units of the wall stress of the gas without particles; 1 if particles do not
+    /// change the flow.
     pub fn wall_stress(&self) -> f64 {
         self.face_stress.as_ref().map_or(1.0, |stress| stress[0])
     }
 
-    /// [-] eddy viscosity over ν at an inner face, interpolated linearly between the two cell centres.
+    /// [-] eddy viscosity over ν at the face between two cells, interpolated linearly between the centres of these
+    /// cells.
     pub fn face_nu_t(&self, face: usize) -> f64 {
         let weight = (self.face[face] - self.y[face - 1]) / (self.y[face] - self.y[face - 1]);
         self.nu_t[face - 1] + weight * (self.nu_t[face] - self.nu_t[face - 1])
@@ -176,9 +179,9 @@ impl HalfChannel {
         stress / (1.0 + self.nu_t[cell])
     }
 
-    /// Solves one equation for all cells by Thomas' algorithm. Moves `phi` towards the solution by the fraction
-    /// `relaxation` [-]. Returns the largest relative difference between the solution and the previous `phi`, or
-    /// not-a-number if the new `phi` is not finite.
+    /// Solves the equation of one quantity φ in all cells by Thomas' algorithm. Moves `phi`, the values of φ, towards
+    /// the solution by the fraction `relaxation` [-]. Returns the largest relative difference between the solution and
+    /// the previous `phi`, or not-a-number if the new `phi` is not finite.
     pub fn solve(&self, equation: &Equation, relaxation: f64, phi: &mut [f64]) -> f64 {
         let count = phi.len();
         let conductance = |face: usize| {
@@ -217,8 +220,8 @@ impl HalfChannel {
         if phi.iter().sum::<f64>().is_finite() { change } else { f64::NAN }
     }
 
-    /// [-] velocity on the centre plane or on the axis. It is that of a parabola through the last two cells, with zero
-    /// slope at the centre.
+    /// [-] velocity on the centre plane of a channel or on the axis of a pipe. It is taken from a parabola through the
+    /// velocities of the last two cells, with zero slope at the centre.
     pub fn centre_velocity(&self) -> f64 {
         let last = self.u.len() - 1;
         let near = (self.reynolds_tau - self.y[last]).powi(2);
@@ -273,8 +276,8 @@ impl HalfChannel {
 mod tests {
     use super::*;
 
-    /// Checks the profile without turbulence, U = 1.5 U_b (1 - (1 - y/h)²) with U_b+ = Re_τ/3. The discrete profile is
-    /// of second order.
+    /// Checks the profile without turbulence, U = 1.5 U_b (1 - (1 - y/h)²), whose bulk velocity U_b is Re_τ/3 in wall
+    /// units. The error of the computed profile falls with the square of the cell width.
     #[test]
     fn laminar_flow_is_a_parabola() {
         let error = |cells: usize| {
@@ -293,9 +296,9 @@ mod tests {
         }
     }
 
-    /// Checks the profile in a pipe without turbulence against Hagen and Poiseuille: U+ = R+/2 (1 - r²/R²), U_b+ =
-    /// R+/4. On equal cells, whose faces are midway between the centres, the profile and the friction factor 64/Re are
-    /// exact up to rounding.
+    /// Checks the profile in a pipe without turbulence against the law of Hagen and Poiseuille. In wall units the
+    /// velocity is R/2 (1 - r²/R²) and the bulk velocity R/4, with the radius R. On equal cells, whose faces are
+    /// midway between the centres, the profile and the friction factor 64/Re are exact up to rounding.
     #[test]
     fn laminar_flow_in_a_pipe_is_hagen_and_poiseuille() {
         let radius = 25.0;
@@ -323,8 +326,8 @@ mod tests {
         }
     }
 
-    /// Checks (1/r)(r φ')' = φ - 1 with φ(R) = 0. The solution is φ = 1 - I_0(r)/I_0(R), with the modified Bessel
-    /// function computed by its series.
+    /// Checks the solution of (1/r)(r φ')' = φ - 1 with φ(R) = 0, at the distance r from the axis of a pipe of radius
+    /// R. The solution is φ = 1 - I_0(r)/I_0(R), with the modified Bessel function I_0 computed by its series.
     #[test]
     fn diffusion_in_a_pipe_is_of_second_order() {
         let bessel = |r: f64| {
@@ -345,8 +348,8 @@ mod tests {
         assert!(error(40) < 1e-3 && (3.5..4.5).contains(&ratio), "{} and falls by {ratio}", error(40));
     }
 
-    /// Checks -φ'' + sink φ = sink with φ(0) = 0 and no flux at the centre. The solution is φ = 1 - cosh(q (h -
-    /// y))/cosh(q h) with q² = sink.
+    /// Checks the solution of -φ'' + sink φ = sink in a channel of half height h, with φ(0) = 0 and no flux at the
+    /// centre y = h. The solution is φ = 1 - cosh(q (h - y))/cosh(q h) with q² = sink.
     #[test]
     fn diffusion_with_a_sink_is_of_second_order() {
         let error = |cells: usize| {

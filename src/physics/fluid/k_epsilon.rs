@@ -53,8 +53,8 @@ pub enum Section {
 #[serde(rename_all = "snake_case")]
 pub enum TurbulenceModel {
     /// Standard k-ε model with equilibrium wall functions (Launder and Spalding 1974), which the paper
-    /// (`docs/paper.md`) uses. The first node lies in the logarithmic layer, and the law of the wall replaces the
-    /// equations below it. The model requires Re >= 10 000.
+    /// (`docs/paper.md`) uses. The first grid node lies in the logarithmic layer. Between the wall and this node, the
+    /// law of the wall replaces the equations. The model requires Re >= 10 000.
     WallFunctions,
     /// Low-Reynolds-number k-ε model (Launder and Sharma 1974), resolved down to the wall. The model requires Re >=
     /// 6000.
@@ -79,8 +79,8 @@ impl TurbulenceModel {
         }
     }
 
-    /// Velocity U of the first cell divided by the stress τ_w at the wall, in wall units. With this ratio the stress
-    /// at the wall is computed from the velocity.
+    /// Velocity U of the first cell divided by the stress τ_w at the wall, in wall units. The stress at the wall is
+    /// then the velocity of the cell divided by this ratio.
     pub(super) fn first_velocity_per_stress(self, channel: &HalfChannel) -> f64 {
         match self {
             Self::WallFunctions => wall_functions::velocity_per_stress(channel, channel.y[0]),
@@ -119,14 +119,14 @@ impl std::fmt::Display for TurbulenceModel {
 pub struct GridNode {
     /// [m] distance y from the wall.
     pub y: f64,
-    /// [m/s] mean streamwise velocity U at this distance.
+    /// [m/s] mean streamwise velocity U at the distance y.
     pub u: f64,
-    /// [m²/s²] turbulent kinetic energy k at this distance.
+    /// [m²/s²] turbulent kinetic energy k at the distance y.
     pub k: f64,
     /// [m²/s³] dissipation rate ε of the turbulent kinetic energy k. For the Launder-Sharma model it is the full rate,
     /// ε̃ + 2ν (d√k/dy)².
     pub epsilon: f64,
-    /// [m²/s] eddy viscosity ν_t at this distance.
+    /// [m²/s] eddy viscosity ν_t at the distance y.
     pub nu_t: f64,
 }
 
@@ -142,7 +142,7 @@ pub struct ChannelFlow {
     pub height: f64,
     /// [m²/s] kinematic viscosity ν.
     pub kinematic_viscosity: f64,
-    /// [m/s] bulk velocity: mean over the cross-section, including the flow between the wall and the first node.
+    /// [m/s] bulk velocity: mean over the cross-section, including the flow between the wall and the first grid node.
     pub bulk_velocity: f64,
     /// [m/s] velocity on the centre plane, or on the axis of a pipe.
     pub centre_velocity: f64,
@@ -220,8 +220,8 @@ impl ChannelFlow {
     }
 
     /// Solves the flow with `bulk_velocity` [m/s] through a pipe of `diameter` [m] with kinematic viscosity
-    /// `kinematic_viscosity` [m²/s]. The model is that of Launder and Sharma, on `cells` cells along the radius;
-    /// `None`: the default number of a half channel.
+    /// `kinematic_viscosity` [m²/s]. The model is that of Launder and Sharma, on `cells` cells along the radius. If
+    /// `cells` is `None`, the number is the model's default.
     ///
     /// # Errors
     ///

@@ -10,11 +10,13 @@ use super::k_epsilon::{C_1, C_2, C_MU, SIGMA_EPSILON, SIGMA_K};
 pub(super) const CELLS: usize = 240;
 /// [-] distance y+ of the centre of the first cell from the wall, for `CELLS` cells.
 const FIRST_NODE: f64 = 0.05;
-/// [-] weight of the newly computed k and ε̃ in the next iterate; the previous values have the remaining weight.
+/// [-] weight of the newly computed turbulent kinetic energy and dissipation rate in the next iterate; the previous
+/// values have the remaining weight.
 const RELAXATION: f64 = 0.7;
 
-/// Faces of cells, as distances from the wall over the half height h of the channel, from 0 to 1. Each cell is wider
-/// than the one before by a constant factor. The width of the first cell is inversely proportional to `cells`.
+/// Faces between the cells of the grid, as distances from the wall over the half height h of the channel, from 0 to 1.
+/// Each cell is wider than the one before by a constant factor. The width of the first cell is inversely proportional
+/// to `cells`.
 pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
     let first = 2.0 * FIRST_NODE / reynolds_tau * CELLS as f64 / cells as f64;
     let sum = |growth: f64| (growth.powi(cells as i32) - 1.0) / (growth - 1.0);

@@ -28,13 +28,13 @@ pub struct LiftedSphere {
     pub kinematic_viscosity: f64,
     /// [m] diameter d of the sphere.
     pub diameter: f64,
-    /// [kg] mass of the sphere, with its added mass.
+    /// [kg] mass of the sphere plus its added mass (mass of gas that accelerates with the sphere).
     pub mass: f64,
     /// [kg m²] moment of inertia of the sphere about its centre.
     pub inertia: f64,
 }
 
-/// [-] factor of Saffman's force in the form of a lift coefficient, 1.615 · 8/π (Saffman 1965 with the correction of
+/// [-] factor of Saffman's force, written as a lift coefficient: 1.615 · 8/π (Saffman 1965 with the correction of
 /// 1968).
 const SAFFMAN: f64 = 4.1126;
 
@@ -46,17 +46,17 @@ const MEI_LIMIT: f64 = 40.0;
 /// which the torque coefficient is that of creeping flow, 64π/Re_r.
 const CREEPING_SPIN: f64 = 32.0;
 
-/// [-] numbers in the coefficient 12.9/√Re_r + 128.4/Re_r of the torque at larger Reynolds numbers Re_r of spin
+/// [-] numbers in the coefficient 12.9/√Re_r + 128.4/Re_r of the torque at Reynolds numbers Re_r of spin above 32
 /// (Dennis, Singh and Ingham 1980, J. Fluid Mech. 101, 257).
 const TORQUE: [f64; 2] = [12.9, 128.4];
 
 impl LiftedSphere {
-    /// [-] Reynolds number w d/ν of a speed w [m/s].
+    /// [-] Reynolds number w d/ν of a speed w = `speed` [m/s], with the diameter d of the sphere.
     fn reynolds(&self, speed: f64) -> f64 {
         speed * self.diameter / self.kinematic_viscosity
     }
 
-    /// [-] Reynolds number Ω d²/ν of an angular velocity Ω [rad/s].
+    /// [-] Reynolds number Ω d²/ν of an angular velocity Ω = `rate` [rad/s], with the diameter d of the sphere.
     fn reynolds_of_turn(&self, rate: f64) -> f64 {
         self.reynolds(rate * self.diameter)
     }
@@ -85,8 +85,8 @@ impl LiftedSphere {
     }
 
     /// [-] angular velocity of the gas relative to the sphere after `duration` [s] of torque alone, over its initial
-    /// magnitude `turn` [rad/s]. The torque is ρ_f/2 (d/2)⁵ C |Ω| Ω with the coefficient C. The equation has a
-    /// closed-form solution for each of the two formulas for C.
+    /// magnitude `turn` [rad/s]. The torque is ρ_f/2 (d/2)⁵ C |Ω| Ω, with this angular velocity Ω and a coefficient C.
+    /// The equation has a closed-form solution for each of the two formulas for C.
     fn spin_left(&self, turn: f64, duration: f64) -> f64 {
         let re_turn = self.reynolds_of_turn(turn);
         let scale = 0.5 * self.gas_density * (0.5 * self.diameter).powi(5) / self.inertia;

@@ -64,9 +64,9 @@ pub struct SliceSums {
     pub volume: f64,
     /// [kg] mass of the particles in the slice.
     pub mass: f64,
-    /// [kg/s] Σ m/τ, with the response time τ of each particle.
+    /// [kg/s] sum of m/τ over the particles of the slice, with the mass m and response time τ of each.
     pub exchange: f64,
-    /// [-] number of particles.
+    /// [-] number of particles in the slice.
     pub count: f64,
 }
 
@@ -75,7 +75,7 @@ impl SliceSums {
     /// with the volume per particle, minus the diameter of a sphere with the mean volume. It is at least a hundredth
     /// of this diameter, so that dissipation stays finite in a packing. It is infinite without particles.
     pub fn spacing(&self, volume: f64) -> f64 {
-        /// [-] least distance between surfaces over the diameter; chosen for this program.
+        /// [-] smallest distance between the surfaces of two particles, over their diameter; chosen for this program.
         const LEAST_SPACING: f64 = 0.01;
         if self.count == 0.0 {
             return f64::INFINITY;
@@ -104,19 +104,19 @@ pub struct LoadedFlow {
     gas_fraction: Vec<f64>,
     /// Flow rate of the gas at the start, per area of the wall, in wall units.
     flow_rate: f64,
-    /// [m/s] bulk velocity of the gas alone, divided by its flow rate on the grid. The bulk velocity also includes the
-    /// flow between the wall and the first node, by the law of the wall.
+    /// [m/s] bulk velocity of the gas alone over its flow rate in wall units, the sum over the cells. The bulk velocity
+    /// also includes the flow between the wall and the first node, by the law of the wall.
     bulk_per_flow: f64,
     /// Pressure gradient in the latest step, in wall units; at first the given gradient, or that of the gas alone.
     pressure_gradient: f64,
-    /// [kg m/s] momentum along z that lift has given to the particles of each slice since the latest step. The gas
-    /// loses it in the next step.
+    /// [kg m/s] momentum along z that lift has given to the particles of each slice since the latest step. In the next
+    /// step the gas loses this momentum.
     owed: Vec<f64>,
     /// Lengths k^(3/2)/ε of the gas alone, one per cell in wall units, which only Crowe's modulation uses.
     alone_length: Vec<f64>,
     /// Constants by which Simonin's modulation computes the integral time of the gas velocity that particles see.
     langevin: Langevin,
-    /// [kg m/s] momentum of the gas along z at the start, and its gains and losses since.
+    /// [kg m/s] momentum of the gas along z at the start, and its gains and losses since the start.
     pub balance: GasBalance,
 }
 
@@ -185,7 +185,8 @@ impl LoadedFlow {
         Self { langevin, ..self }
     }
 
-    /// Sets the volume fractions of gas, one per cell, and starts the momentum balance; called in the first step only.
+    /// Sets the volume fraction of the gas in each cell, and starts the momentum balance; called in the first step
+    /// only.
     fn begin(&mut self, gas_fraction: Vec<f64>) {
         self.gas_fraction = gas_fraction;
         self.flow_rate = self.gas_momentum();
@@ -261,8 +262,8 @@ impl LoadedFlow {
         self.channel.face.windows(2).map(cell).collect()
     }
 
-    /// Stores momentum along z [kg m/s] that lift gave to the particles of each slice. The gas loses it in the next
-    /// step.
+    /// Stores momentum along z [kg m/s] that lift gave to the particles of each slice. In the next step the gas loses
+    /// this momentum.
     pub fn owe(&mut self, impulses: impl IntoIterator<Item = f64>) {
         self.owed.iter_mut().zip(impulses).for_each(|(owed, impulse)| *owed += impulse);
     }

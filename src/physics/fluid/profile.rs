@@ -15,7 +15,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Profile {
-    /// [m/s] a velocity that is the same at all positions.
+    /// A velocity [m/s] that is the same at all positions.
     Uniform(f64),
     /// A monotone cubic through given points (y, u).
     Tabulated(Arc<VelocityTable>),
@@ -150,7 +150,8 @@ impl Profile {
     }
 
     /// [m/s] streamwise gas velocity at the distance `y` [m] from the wall y = 0. Outside the profile it is the value
-    /// at the nearer end. For a pipe it is the velocity at the coordinate y in the plane x = const through the axis.
+    /// at the nearer end. For a pipe it is the velocity at the coordinate `y`, on the line along y that crosses the
+    /// axis.
     #[inline]
     pub fn velocity(&self, y: f64) -> f64 {
         match self {

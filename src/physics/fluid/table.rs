@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-/// Number of bins per given point in the index that divides the range of y into bins of equal width. For evenly spaced
-/// points most bins contain no point, so the first cubic piece tried is the right one.
+/// Number of bins per given point in the index of a [`VelocityTable`], which divides the range of y into bins of equal
+/// width. The search for the cubic piece at y begins with the piece at the lower edge of the bin. For evenly spaced
+/// points most bins contain no point, so that the search ends there.
 const BINS_PER_NODE: usize = 16;
 
 /// Function u(y) through given points: piecewise cubic with continuous slope and no overshoot between points. The
@@ -17,10 +18,11 @@ const BINS_PER_NODE: usize = 16;
 #[derive(Clone, Debug, Serialize)]
 pub struct VelocityTable {
     pieces: Vec<CubicPiece>,
-    /// Number of the cubic piece at the lower edge of each bin. The bins divide the range of y into equal parts.
+    /// Index in `pieces` of the cubic piece at the lower edge of each bin. The bins divide the range of y into equal
+    /// parts.
     #[serde(skip)]
     index: Vec<u32>,
-    /// [1/m] number of bins of `index` per length.
+    /// [1/m] number of bins per length of the range of y.
     bins_per_length: f64,
     /// [m] first and last y of the given points.
     range: [f64; 2],
@@ -100,7 +102,7 @@ impl VelocityTable {
         Ok(Self { pieces, index, bins_per_length: 1.0 / width, range: [first.0, last.0], last: last.1 })
     }
 
-    /// [m/s] velocity u at y [m]; outside the points it is the first or the last value.
+    /// [m/s] velocity u at y [m]; outside the points it is the value at the first or the last point.
     #[inline]
     pub fn value(&self, y: f64) -> f64 {
         let [first, last] = self.range;
@@ -150,8 +152,8 @@ impl VelocityTable {
             .sum()
     }
 
-    /// [m²/s] integral of u (1 - y/`end`) over the whole range of y. It is exact for the cubic pieces, by Gauss's rule
-    /// with three points on each piece.
+    /// [m²/s] integral of u (1 - y/`end`) over the whole range of y, with the length `end` [m]. It is exact for the
+    /// cubic pieces, by Gauss's rule with three points on each piece.
     pub fn integral_towards(&self, end: f64) -> f64 {
         let rule = [(-(0.6_f64.sqrt()), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)];
         self.pieces
@@ -175,9 +177,9 @@ impl VelocityTable {
 }
 
 /// [1/s] slopes at the points, for which every cubic piece is monotone (Fritsch and Butland 1984). The slope is 0 at
-/// an extremum. Elsewhere it is the harmonic mean of the secants on both sides, weighted by their widths. At an end
-/// without a given slope, the slope follows from a one-sided three-point formula, limited so that the piece is
-/// monotone.
+/// an extremum. Elsewhere it is the harmonic mean of the slopes of the two straight lines to the neighbouring points,
+/// weighted by the distances to these points. At an end without a given slope, the slope follows from a one-sided
+/// three-point formula, limited so that the piece is monotone.
 fn slopes(points: &[(f64, f64)], ends: [Option<f64>; 2]) -> Vec<f64> {
     let width: Vec<f64> = points.windows(2).map(|p| p[1].0 - p[0].0).collect();
     let secant: Vec<f64> = points.windows(2).map(|p| (p[1].1 - p[0].1) / (p[1].0 - p[0].0)).collect();

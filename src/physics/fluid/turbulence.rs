@@ -26,7 +26,7 @@ pub struct Turbulence {
     pub statistics: TurbulenceStatistics,
     /// Law of the gas velocity along the path of a particle.
     pub law: EddyLaw,
-    /// Constants of the Langevin equation; both laws use these constants.
+    /// Constants of the Langevin equation, which both variants of [`EddyLaw`] use.
     pub langevin: Langevin,
 }
 
@@ -122,7 +122,7 @@ impl TurbulenceStatistics {
 }
 
 impl Turbulence {
-    /// Statistics of the gas velocity at the position `place` [m], in a gas with this profile.
+    /// Statistics of the gas velocity at the position `place` [m], in a gas with the velocity profile `profile`.
     #[inline]
     pub fn at(&self, profile: &Profile, place: &Vector3<f64>) -> LocalTurbulence {
         let (deviation, gradient, turnover) = match &self.statistics {
@@ -135,8 +135,8 @@ impl Turbulence {
         LocalTurbulence { deviation, gradient, time: self.langevin.share_of_turnover() * turnover }
     }
 
-    /// [m/s] fluctuation **u** of the gas velocity that a particle sees. `eddy` is the value that the store of
-    /// particles holds for the particle.
+    /// [m/s] fluctuation **u** of the gas velocity that a particle sees. `eddy` is the value in the particle store:
+    /// **u** over its standard deviation σ for the Langevin equation, or **u** itself for the discrete random walk.
     #[inline]
     pub fn seen(&self, eddy: &Vector3<f64>, local: &LocalTurbulence) -> Vector3<f64> {
         match self.law {
@@ -165,10 +165,10 @@ impl Turbulence {
         })
     }
 
-    /// [1/s] largest rate at which the fluctuation changes along the path of particles with a response time [s],
-    /// between the walls of the gas in a box of `height` [m]. The rates are the drift ∇σ/(1 + St) and the turnover
-    /// 1/(T_L + τ) of eddies that particles follow. Here σ is the standard deviation of the gas velocity, T_L its
-    /// integral time, τ the response time, and St = τ/T_L.
+    /// [1/s] largest rate at which the fluctuation changes along the path of particles with the response time
+    /// `response` [s], between the walls of the gas in a box of `height` [m]. The rates are the drift ∇σ/(1 + St) and
+    /// the turnover 1/(T_L + τ) of eddies that particles follow. Here σ is the standard deviation of the gas velocity,
+    /// T_L its integral time, τ the response time of the particles, and St = τ/T_L.
     pub fn largest_rate(&self, profile: &Profile, height: f64, response: f64) -> f64 {
         let rates = self.strips(profile, height).map(|(_, local)| {
             let slowest = local.time + response;
@@ -391,10 +391,10 @@ impl Langevin {
 mod tests {
     use super::*;
 
-    /// Moments of the end value and of the mean over a time h, from a start of variance 1, with x = h/T. The end has
-    /// the variance 1 and the covariance exp(-x) with the start. The mean has the variance 2 (x - 1 + exp(-x))/x² and
-    /// the covariance (1 - exp(-x))/x with both ends. These are integrals of exp(-|t - t'|/T), computed independently
-    /// of the tested formulas.
+    /// Checks the moments of the end value and of the mean of a fluctuation over a time h, from a start of variance 1.
+    /// Here x is h over the integral time T. The end has the variance 1 and the covariance exp(-x) with the start. The
+    /// mean has the variance 2 (x - 1 + exp(-x))/x², and the covariance (1 - exp(-x))/x with the start and with the
+    /// end. These are integrals of exp(-|t - t'|/T), computed independently of the tested formulas.
     #[test]
     fn a_step_has_the_moments_of_the_exponential_correlation() {
         for x in [1e-9_f64, 1e-4, 0.1, 1.0, 7.0, 1e3, f64::INFINITY] {
@@ -435,8 +435,9 @@ mod tests {
         }
     }
 
-    /// The weight exp(-r z), where z is the share of the time before the end, has its centre at 1/r - 1/(exp(r) - 1). A
-    /// constant weight has its centre at 1/2, and a weight at the end at 0.
+    /// Checks `lateness` by centres of weights. Here r is the duration of a kick over the response time, and z the
+    /// time before the end of the kick over its duration. The weight exp(-r z) has its centre at z = 1/r - 1/(exp(r) -
+    /// 1). A constant weight has its centre at 1/2, and a weight at the end at 0.
     #[test]
     fn the_mean_has_the_centre_of_the_response() {
         for ratio in [1e-9_f64, 9e-4, 0.01, 1.0, 30.0] {

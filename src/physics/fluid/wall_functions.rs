@@ -18,19 +18,20 @@ const SUBLAYER: f64 = 11.225_301;
 /// [-] lowest bulk Reynolds number of the model. At lower values a half channel has no room for a logarithmic layer and
 /// an outer layer of 5 cells.
 pub(super) const LOWEST_REYNOLDS: f64 = 10_000.0;
-/// [-] intended distance y+ of the first node, in the middle of the range in which the result does not depend on this
-/// distance.
+/// [-] intended distance y+ of the first grid node from the wall, in the middle of the range in which the result does
+/// not depend on this distance.
 const FIRST_NODE: f64 = 30.0;
 /// Largest number of cells. This number limits the grid for Re_τ > 3600: the first node is then above `FIRST_NODE`, but
 /// within 1 % of the half height h from the wall.
 const MOST_CELLS: usize = 60;
 
-/// [-] weight of the newly computed k and ε in the next iterate; the previous values have the remaining weight.
+/// [-] weight of the newly computed turbulent kinetic energy and dissipation rate in the next iterate; the previous
+/// values have the remaining weight.
 const RELAXATION: f64 = 0.7;
-/// Number of intervals between the edge of the sublayer and the first node in which the profile follows the logarithmic
-/// law.
+/// Number of intervals between the edge of the viscous sublayer and the first grid node. The profile follows the
+/// logarithmic law at their ends.
 const LAW_POINTS: usize = 24;
-/// Number of intervals into which points of the profile divide the distance between two nodes.
+/// Number of intervals into which points of the profile divide the distance between two neighbouring grid nodes.
 const PARTS: usize = 8;
 
 /// Number of cells over the half channel for a given friction Reynolds number.
@@ -38,7 +39,7 @@ pub(super) fn cells(reynolds_tau: f64) -> usize {
     ((reynolds_tau / (2.0 * FIRST_NODE)).round() as usize).clamp(4, MOST_CELLS)
 }
 
-/// Faces of cells of equal width, as distances from the wall over the half height h of the channel, from 0 to 1.
+/// Faces between cells of equal width, as distances from the wall over the half height h of the channel, from 0 to 1.
 pub(super) fn faces(cells: usize) -> Vec<f64> {
     (0..=cells).map(|face| face as f64 / cells as f64).collect()
 }
@@ -102,8 +103,8 @@ pub(super) fn renew_viscosity(channel: &mut HalfChannel) {
     }
 }
 
-/// [-] velocity U by the two-layer law of the wall, in wall units: τ_w y below the edge of the sublayer, and τ_w/(κ
-/// u*) ln(E u* y) above, with the wall stress τ_w and the velocity scale u*.
+/// [-] velocity U at the distance `y` from the wall, by the two-layer law of the wall, in wall units: τ_w y below the
+/// edge of the viscous sublayer, and τ_w/(κ u*) ln(E u* y) above, with the wall stress τ_w and the velocity scale u*.
 fn law(channel: &HalfChannel, y: f64) -> f64 {
     channel.wall_stress() * velocity_per_stress(channel, y)
 }

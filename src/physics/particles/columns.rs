@@ -33,7 +33,7 @@ pub trait Column {
     /// Values of all particles, mutable; `None` if the store lacks the column.
     fn values_mut(&mut self) -> Option<&mut Vec<Self::Value>>;
 
-    /// All values of the column as one chunk.
+    /// All values of the column as one mutable chunk.
     fn whole(&mut self) -> Self::Chunk<'_>;
 
     /// Removes the first `count` values from the chunk `rest` and returns them. If `rest` has fewer values, returns
@@ -42,7 +42,7 @@ pub trait Column {
     where
         Self: 'a;
 
-    /// Sets the value at an index of a chunk; without effect if the store lacks the column.
+    /// Sets the value at an index of a chunk; does nothing if the store lacks the column.
     fn put(chunk: &mut Self::Chunk<'_>, index: usize, value: Self::Value);
 
     /// Adds the column, with `count` zeros, if the store lacks it and `wanted` is true.
@@ -111,7 +111,7 @@ pub trait Column {
     }
 
     /// Reads the value of the particle at `index` from the beginning of `bytes`, if the store has the column. Returns
-    /// the remaining bytes. `None` if there are too few bytes, or no such particle.
+    /// the remaining bytes, or `None` if there are too few bytes or no such particle.
     fn unpack_at<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
         let Some(values) = self.values_mut() else { return Some(bytes) };
         let (own, rest) = bytes.split_at_checked(Self::Value::SIZE)?;
@@ -205,9 +205,10 @@ impl<T: Copy + Default + AsBytes + Send + Sync> Column for Option<Vec<T>> {
     }
 }
 
-/// Makes a store, and the moving state of one of its particles, from a list of columns. `=> ["x", "y", "z"]` after a
-/// column means that saved states contain the column, as numbers with these names. `as moving` means that the values
-/// change with time. `by kicks` means that forces change the values directly.
+/// Makes a particle store, and a type for the values of one particle that change with time (its moving state), from a
+/// list of columns. `=> ["x", "y", "z"]` after a column means that saved states contain the column, as numbers with
+/// these names. `as moving` means that the values change with time. `by kicks` means that forces change the values
+/// directly.
 macro_rules! columns {
     (
         $(#[$of_motion:meta])*
@@ -242,7 +243,7 @@ macro_rules! columns {
         }
 
         impl $chunk<'_> {
-            /// Sets the moving state of the particle at an index of the chunk.
+            /// Sets the moving state (values that change with time) of the particle at an index of the chunk.
             #[inline(always)]
             pub fn set(&mut self, index: usize, motion: &$motion) {
                 $($(
@@ -253,8 +254,8 @@ macro_rules! columns {
         }
 
         impl $store {
-            /// Moving state of all particles, in chunks of `size` particles. Several threads can change different
-            /// chunks at the same time.
+            /// Moving state (values that change with time) of all particles, in chunks of `size` particles. Several
+            /// threads can change different chunks at the same time.
             pub fn motion_chunks(&mut self, size: usize) -> Vec<$chunk<'_>> {
                 let chunks = self.count().div_ceil(size);
                 let mut rest = $chunk {
@@ -272,7 +273,7 @@ macro_rules! columns {
                 (0..chunks).map(next).collect()
             }
 
-            /// Moving state of the particle at an index; 0 in columns that the store lacks.
+            /// Moving state (values that change with time) of a particle; 0 in columns that the store lacks.
             #[inline]
             pub fn motion(&self, index: usize) -> $motion {
                 $motion {
@@ -285,7 +286,7 @@ macro_rules! columns {
                 }
             }
 
-            /// Sets the moving state of the particle at an index.
+            /// Sets the moving state (values that change with time) of the particle at an index.
             #[inline]
             pub fn set_motion(&mut self, index: usize, motion: &$motion) {
                 $($(
@@ -311,7 +312,7 @@ macro_rules! columns {
                 )?)+
             }
 
-            /// Appends the moving state of the particle at an index to `bytes`.
+            /// Appends the moving state (values that change with time) of a particle to `bytes`.
             pub(crate) fn pack_motion(&self, index: usize, bytes: &mut Vec<u8>) {
                 $($(
                     let _ = stringify!($moving);
@@ -321,8 +322,9 @@ macro_rules! columns {
                 )?)+
             }
 
-            /// Reads the moving state of the particle at an index from the beginning of `bytes`. Returns the remaining
-            /// bytes, or `None` if there are too few. The bytes must come from a store with the same columns.
+            /// Reads the moving state (values that change with time) of a particle from the beginning of `bytes`.
+            /// Returns the remaining bytes, or `None` if there are too few. The bytes must come from a store with the
+            /// same columns.
             pub(crate) fn unpack_motion<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
                 $($(
                     let _ = stringify!($moving);
@@ -341,8 +343,8 @@ macro_rules! columns {
                 )?)?)+
             }
 
-            /// Reads the bytes that [`pack_kicked`](Self::pack_kicked) has written. Returns the remaining bytes, or
-            /// `None` if there are too few.
+            /// Sets velocity and spin of one particle from bytes that [`pack_kicked`](Self::pack_kicked) has written.
+            /// Returns the remaining bytes, or `None` if there are too few.
             pub(crate) fn unpack_kicked<'a>(&mut self, index: usize, bytes: &'a [u8]) -> Option<&'a [u8]> {
                 $($($(
                     let _ = stringify!($kicks);
@@ -388,7 +390,7 @@ macro_rules! columns {
                 [$(Column::values(&self.$column).map(Vec::len)),+].into_iter().flatten().next().unwrap_or(0)
             }
 
-            /// Removes all particles from index `count` on.
+            /// Removes all particles whose index is `count` or more.
             pub fn truncate(&mut self, count: usize) {
                 $(if let Some(values) = Column::values_mut(&mut self.$column) {
                     values.truncate(count);

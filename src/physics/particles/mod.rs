@@ -240,7 +240,7 @@ impl Particles {
         self.rotational_energies().value()
     }
 
-    /// [kg] total mass of all particles.
+    /// [rad/s] spins of all particles; an empty list if spheres do not rotate.
     pub fn total_mass(&self) -> f64 {
         exact::sum(&self.mass, |mass| *mass).value()
     }

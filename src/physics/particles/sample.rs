@@ -24,8 +24,8 @@ impl<'a> From<&'a Particles> for Sample<'a> {
 }
 
 impl<'a> Sample<'a> {
-    /// Makes a sample (particles over which sums are taken) of the particles of this process. Sums include the
-    /// particles of the other processes, if `communicator` connects them.
+    /// Makes a sample (particles over which sums are taken) of the particles of this process. If `communicator` is
+    /// given, sums include the particles of the other processes.
     pub fn part(particles: &'a Particles, communicator: Option<&'a dyn Communicator>) -> Self {
         Self { particles, communicator }
     }
@@ -35,8 +35,8 @@ impl<'a> Sample<'a> {
         self.communicator.is_some()
     }
 
-    /// Returns a sample of other particles. Each process passes the particles that it has computed from its own
-    /// particles of this sample, such as copies with other velocities.
+    /// Returns a sample (particles over which sums are taken) of other particles. Each process passes the particles
+    /// that it has computed from its own particles of this sample, such as copies with other velocities.
     pub fn with<'b>(&self, particles: &'b Particles) -> Sample<'b>
     where
         'a: 'b,
@@ -94,7 +94,7 @@ impl<'a> Sample<'a> {
         (sum.value() / self.count().max(1) as f64).sqrt()
     }
 
-    /// Returns for each of the K values the largest value of all processes.
+    /// Returns, for each of the K values, the largest of the values that the processes pass.
     pub fn largest<const K: usize>(&self, mut values: [f64; K]) -> [f64; K] {
         if let Some(communicator) = self.communicator {
             communicator.largest(&mut values);
@@ -102,7 +102,8 @@ impl<'a> Sample<'a> {
         values
     }
 
-    /// Returns for each of the K counts the sum over all processes. The counts must be whole numbers.
+    /// Returns, for each of the K counts, the sum of the counts that the processes pass. The counts must be whole
+    /// numbers.
     pub fn added<const K: usize>(&self, counts: [f64; K]) -> [f64; K] {
         let Some(communicator) = self.communicator else { return counts };
         let mut whole = counts.map(|count| count as i64);

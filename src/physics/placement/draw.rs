@@ -109,14 +109,15 @@ struct Normals {
     random: Xoshiro256PlusPlus,
     /// [-] mean of all random numbers, for each component of the vectors; 0 for a single sphere.
     drawn: Vector3<f64>,
-    /// Required mean, in the unit of the values.
+    /// Required mean of the velocities [m/s] or spins [rad/s].
     mean: Vector3<f64>,
-    /// Factor of the difference between a random number and the mean `drawn`, in the unit of the values.
+    /// Factor by which the difference between a random number and `drawn` is multiplied, in m/s or rad/s.
     factor: Vector3<f64>,
 }
 
 impl Normals {
-    /// Prepares `count` random values from `random`. Each component has the given mean and standard deviation.
+    /// Prepares `count` velocities or spins, from random numbers of `random`. Each component has the given mean and
+    /// standard deviation.
     fn new((mean, deviation): (Vector3<f64>, Vector3<f64>), count: usize, random: &mut Xoshiro256PlusPlus) -> Self {
         let before = random.clone();
         let (mut drawn, mut stretch) = (Vector3::zeros(), Vector3::repeat(1.0));

@@ -37,8 +37,8 @@ const ROUNDS: usize = 5000;
 /// larger sphere.
 const ROUNDS_OF_INSERTION: usize = 8;
 
-/// Number of pairs in the neighbour list that cost as much effort as one particle, in a round (pass over all
-/// overlaps). A dense start has about this number of pairs per particle.
+/// Number of overlapping or nearly overlapping pairs that cost as much effort as one particle, in a round (pass over
+/// all overlaps). A dense start has about this number of such pairs per particle.
 const PER_PARTICLE: u64 = 32;
 
 /// [-] fraction by which the radii of spheres are enlarged during placement, so that no spheres touch at the start. The
@@ -55,10 +55,10 @@ pub const MARGIN: f64 = 1e-3;
 pub struct Crowded {
     /// [-] volume of the particles over the free volume in which they start.
     pub wanted: f64,
-    /// [-] volume of the particles that overlapped nothing, over the same free volume, when the search for positions
-    /// ended.
+    /// [-] volume of the particles without overlap when the search for positions ended, over the free volume in which
+    /// the particles start.
     pub reached: f64,
-    /// [m³] free volume of the space in which the particles start.
+    /// [m³] free volume of the space in which the particles start: volume that walls and bodies leave.
     pub room: f64,
     /// True if the search for positions ended early because the allowed effort was spent.
     pub given_up: bool,
@@ -98,14 +98,14 @@ impl Crowded {
 /// model.
 ///
 /// # Errors
-/// If random positions without overlap are not found in a bounded number of rounds.
+/// If random positions without overlap are not found in a bounded number of rounds (passes over all overlaps).
 pub fn initial_state(experiment: &Experiment) -> Result<Particles, Crowded> {
     initial_state_within(experiment, u64::MAX)
 }
 
 /// Makes the initial state within a limited `effort`, for callers that only test whether a start can be found quickly.
-/// Each position tried for a sphere costs 1. Each round costs the number of particles, plus a fraction of the number of
-/// pairs.
+/// Each position tried for a sphere costs 1. Each round (pass over all overlaps) costs the number of particles, plus a
+/// fraction of the number of neighbouring pairs.
 ///
 /// # Errors
 /// If random positions without overlap are not found within the given effort.
@@ -117,7 +117,7 @@ pub fn initial_state_within(experiment: &Experiment, effort: u64) -> Result<Part
 /// scene, these populations and this seed.
 ///
 /// # Errors
-/// If random positions without overlap are not found in a bounded number of rounds.
+/// If random positions without overlap are not found in a bounded number of rounds (passes over all overlaps).
 pub fn random_start(scene: &Scene, populations: &[Population], seed: u64) -> Result<Particles, Crowded> {
     StartPlan { scene, populations, seed }.make(u64::MAX)
 }
@@ -371,7 +371,8 @@ fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoo
 /// settle. Particles that overlap a wall are moved along its normal. Particles for whose ids `is_free` is false stay in
 /// place.
 fn push_apart(particles: &mut Particles, overlaps: &[(u32, u32)], is_free: &[bool], room: &FreeRoom) {
-    /// [-] displacement over overlap. With a ratio of 1, the remaining overlaps would shrink but never end.
+    /// [-] displacement over overlap in each round (pass over all overlaps). With a ratio of 1, the remaining overlaps
+    /// would shrink but never end.
     const OVERSHOOT: f64 = 1.05;
     let scene = &room.scene;
     let mut walls = Vec::new();

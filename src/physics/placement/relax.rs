@@ -20,12 +20,12 @@ const LONGEST: f64 = 0.5;
 /// small, so that particles are moved hardly farther than needed.
 const PLACED_MARGIN: f64 = 1e-4;
 
-/// Displacement of the particle that was moved farthest from its given position, and the id of this particle.
+/// Largest displacement of any particle from its given position, and the id of this particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moved {
-    /// [m] distance of the new position from the given position.
+    /// [m] distance of the particle's new position from its given position.
     pub farthest: f64,
-    /// Id of the particle that was moved by this distance.
+    /// Id of the particle with the largest displacement.
     pub id: u32,
 }
 

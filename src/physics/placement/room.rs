@@ -14,7 +14,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// that contains the points.
 const PLACES: u32 = 8192;
 
-/// [-] difference that counts as rounding: of lengths over their size, and of components of unit normals.
+/// [-] largest relative difference of lengths, or difference of the components of unit normals, that counts as
+/// rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Free space in which the particles of one population (group of particles with common settings), or of several
@@ -33,7 +34,7 @@ pub struct FreeRoom {
     /// Remaining effort of the search for positions: the number of positions that may still be tried. A round over all
     /// particles also costs effort.
     effort: AtomicU64,
-    /// [m³] free volume; empty until it is measured.
+    /// [m³] free volume; empty until this volume is measured.
     volume: OnceLock<f64>,
 }
 
@@ -134,12 +135,12 @@ impl FreeRoom {
         (0..3).any(|axis| self.middle(axis, radius).is_some())
     }
 
-    /// True if the region of the particles is the inside of some of the walls.
+    /// True if the particles start inside some of the walls, which the start region names.
     pub fn is_inside_walls(&self) -> bool {
         !self.inside.is_empty()
     }
 
-    /// True if the position `place` [m] of a centre is in the region: inside one of the walls of the region. Without
+    /// True if the position `place` [m] of a centre is inside one of the walls that enclose the start region. Without
     /// such walls the result is true everywhere.
     pub fn holds(&self, place: &Vector3<f64>) -> bool {
         let holds = |wall: &u32| self.scene.walls[*wall as usize].geometry.law().encloses(place);

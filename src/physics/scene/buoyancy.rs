@@ -31,14 +31,15 @@ impl Scene {
         self.species.iter_mut().for_each(|species| species.added_density = ADDED_MASS * fluid.density);
     }
 
-    /// Adds the buoyancy of the particles to a scene with gas and gravity; other scenes do not change. The acceleration
-    /// of a species becomes g (1 - ρ_f/ρ_p), with the densities ρ_f of the gas and ρ_p of the particles. With the added
-    /// mass ρ_a [kg/m³] it becomes g (ρ_p - ρ_f)/(ρ_p + ρ_a). A second call changes nothing.
+    /// Adds the buoyancy of the particles to a scene with gas and gravity; other scenes do not change. The
+    /// acceleration of a species becomes g (1 - ρ_f/ρ_p), with the densities ρ_f of the gas and ρ_p of the particles.
+    /// With the added mass ρ_a [kg/m³] it becomes g (ρ_p - ρ_f)/(ρ_p + ρ_a). A second call of this method changes
+    /// nothing.
     ///
     /// Engines use one acceleration for all particles: [`gravity`](Self::gravity), which becomes that of the densest
-    /// species. The simulation adds the differences of the other species in half-kicks (changes of the velocities for
-    /// half a window, the time between two exchanges with the gas) before and after each window. The free flight of such a species is exact, and the error in its
-    /// contacts is of second order in the window.
+    /// species. The simulation adds the accelerations of the other species, minus this one, in half-kicks (changes of
+    /// the velocities for half a window, the time between two exchanges with the gas) before and after each window.
+    /// The free flight of such a species is exact, and the error in its contacts is of second order in the window.
     pub fn add_buoyancy(&mut self) {
         let gravity = self.gravity;
         let Some(fluid) = self.fluid.as_mut().filter(|fluid| fluid.buoyancy.is_none()) else { return };

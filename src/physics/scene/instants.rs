@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 impl Scene {
     /// Returns the scene at the simulated time `time` [s]: moving walls, and periodic images of a sheared box, are at
-    /// their places of this time. A scene without moving walls and shear is returned itself, not as a copy.
+    /// their places at this time. A scene without moving walls and shear is returned itself, not as a copy.
     pub fn at(&self, time: f64) -> Cow<'_, Self> {
         if !self.changes() {
             return Cow::Borrowed(self);
@@ -66,7 +66,7 @@ impl Scene {
 pub enum SceneInTime<'a> {
     /// A scene that does not change.
     Fixed(&'a Scene),
-    /// Copy of a scene that changes. Its walls and periodic images are at their places of the most recently requested
+    /// Copy of a scene that changes. Moving walls and periodic images are at their places at the latest requested
     /// instant.
     Changing(Box<Scene>),
 }

@@ -51,7 +51,7 @@ pub struct Inlet {
     pub species: u16,
     /// Body that contains each new particle wholly.
     pub region: Hollow,
-    /// [1/s] number of particles per time that come in while the inlet is open.
+    /// [1/s] number of particles that come in per second while the inlet is open.
     pub rate: f64,
     /// [s] time at which the inlet opens.
     pub start: f64,

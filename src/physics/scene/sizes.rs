@@ -3,7 +3,8 @@
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Distribution of the diameters of a species, by number: the share of the particles with each diameter.
+/// Distribution of the diameters of a species by number of particles (not by mass): the share of the particles that
+/// has each diameter.
 ///
 /// ```
 /// # extern crate diptych_physics as diptych;
@@ -25,10 +26,11 @@ pub enum SizeDistribution {
     },
     /// The logarithm of the diameter is normally distributed. Diameters below `from` and above `to` are left out.
     LogNormal {
-        /// [m] median of the distribution before the cut.
+        /// [m] median of the distribution before it is cut at `from` and `to`.
         median: f64,
-        /// [-] geometric standard deviation before the cut, more than 1. About two thirds of the diameters lie between
-        /// the median divided by this deviation and the median times this deviation.
+        /// [-] geometric standard deviation before the distribution is cut at `from` and `to`; more than 1. About two
+        /// thirds of the diameters lie between the median divided by this deviation and the median times this
+        /// deviation.
         geometric_deviation: f64,
         /// [m] smallest diameter, at which the distribution is cut.
         from: f64,

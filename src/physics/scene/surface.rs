@@ -6,8 +6,8 @@ use serde::Serialize;
 /// Restitution and friction of an impact of two surfaces, which all engines use.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Surface {
-    /// [-] normal restitution e, 0 ..= 1: ratio of normal speeds after and before an isolated impact. With `by_speed`,
-    /// impacts follow that function, and predictions use this value of e at one usual speed.
+    /// [-] normal restitution e, 0 ..= 1: ratio of normal speeds after and before an isolated impact. If `by_speed` is
+    /// given, impacts follow `by_speed` instead, and predictions use this value of e at one usual speed.
     pub restitution: f64,
     /// [-] coefficient of Coulomb friction μ, >= 0.
     pub friction: f64,

@@ -16,10 +16,12 @@ pub enum Thermostat {
         /// Granular Matter 1, 57).
         heating: f64,
     },
-    /// The force m `rate` c on each particle, by which velocities grow exponentially (Montanero and Santos 2000,
-    /// Granular Matter 2, 53). A gas heated in this way has the velocity distribution of a cooling gas.
+    /// The force m c times `rate` on each particle, with its mass m and its velocity c relative to the mean velocity.
+    /// Velocities c grow exponentially (Montanero and Santos 2000, Granular Matter 2, 53). A gas heated in this way
+    /// has the velocity distribution of a cooling gas.
     Gaussian {
-        /// [1/s] growth rate of the velocities c, half that of the granular temperature.
+        /// [1/s] growth rate of the velocities relative to the mean velocity; half the growth rate of the granular
+        /// temperature.
         rate: f64,
     },
 }
@@ -34,8 +36,8 @@ impl Thermostat {
         }
     }
 
-    /// [m²/s²] granular temperature T at which heating balances collisions, which reduce T at the rate `cooling`
-    /// T^(3/2). It is infinite if `cooling` [1/m] is 0.
+    /// [m²/s²] granular temperature T at which heating balances the losses of collisions, by which T decreases at the
+    /// rate `cooling` T^(3/2). It is infinite if `cooling` [1/m] is 0.
     pub fn steady_temperature(&self, cooling: f64) -> f64 {
         match self {
             // heating = cooling T^(3/2)

@@ -46,8 +46,8 @@ impl SchedulePosition {
         self.cut.unwrap_or_else(|| self.after(0))
     }
 
-    /// [s] time at which the next `windows` windows end, if all are as long as the present window, which is the first
-    /// of them. With 0 it is the start of the present window.
+    /// [s] time at which the next `windows` windows end, counted from the start of the present window, if all are as
+    /// long as this window. With `windows` = 0 it is the start of the present window.
     pub fn after(&self, windows: u64) -> f64 {
         (self.done + windows * self.schedule.together(self.done)) as f64 * self.schedule.window
     }
@@ -97,7 +97,7 @@ impl SchedulePosition {
         }
     }
 
-    /// Number of windows of a piece of the run, and the length [s] of each window.
+    /// Number of windows (times between two exchanges with the gas) in a piece of the run, and the length [s] of each.
     pub fn lengths(&self, step: ScheduleStep) -> (u64, f64) {
         match step {
             ScheduleStep::Windows(windows) => (windows, self.window()),
@@ -105,7 +105,8 @@ impl SchedulePosition {
         }
     }
 
-    /// Moves the position to the end of a piece of the run, or to the end of the first `ran` windows of that piece.
+    /// Moves the position to the end of a piece of the run, or to the end of its first `ran` windows if the engine did
+    /// not run all of them.
     pub fn advance(&mut self, step: ScheduleStep, ran: u64) {
         let together = self.schedule.together(self.done);
         match step {

@@ -22,14 +22,14 @@ use crate::walls::Wall;
 /// dS/dt >= g - S/τ(S), while dR/dt <= g - R/τ(R). Therefore S is an upper limit of R.
 pub(super) struct Slowing<'a> {
     experiment: &'a Experiment,
-    /// [m/s] root mean square speed R at the start.
+    /// [m/s] root mean square speed R of the particles at the start; if there are several populations, the largest R.
     speed: f64,
 }
 
 impl<'a> Slowing<'a> {
-    /// Makes the upper limit for an experiment. `None` if there is no such limit, because drag is absent, the gas
-    /// moves, the calling program defines the drag law, or the scene [adds energy](is_fed). `None` also if several species, several sizes or a start without
-    /// speed make the limit useless.
+    /// Makes the upper limit of the speeds for an experiment. `None` if there is no such limit, because drag is
+    /// absent, the gas moves, the calling program defines the drag law, or the scene [adds energy](is_fed). Also
+    /// `None` if several species, several sizes or a start without speed make the limit useless.
     pub(super) fn of(experiment: &'a Experiment) -> Option<Self> {
         if is_fed(&experiment.scene) {
             return None;

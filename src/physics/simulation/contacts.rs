@@ -20,21 +20,21 @@ pub struct ContactSummary {
 impl Simulation {
     /// [J] kinetic and rotational energy of all particles plus the energy stored in contacts. Before the first window
     /// (time between two exchanges with the gas), the stored energy is that of the initial overlaps. The sum is over
-    /// the particles of all processes, as with [`sample`](Self::sample).
+    /// all processes; if each has a part of the particles, all of them must call this method.
     pub fn energy(&self) -> f64 {
         let sample = self.sample();
         sample.kinetic_energy() + sample.rotational_energy() + self.elastic_energy()
     }
 
     /// [J] energy stored in the contacts of all particles. Before the first window (time between two exchanges with
-    /// the gas), it is that of the initial overlaps. The sum is over the particles of all processes, as with
-    /// [`sample`](Self::sample).
+    /// the gas), it is that of the initial overlaps. The sum is over all processes; if each has a part of the
+    /// particles, all of them must call this method.
     pub fn elastic_energy(&self) -> f64 {
         self.unseen.unwrap_or_else(|| self.engine.elastic_energy())
     }
 
-    /// [J] energies stored in tangential, rolling and twisting springs, as parts of the elastic energy. The sums are
-    /// over the particles of all processes, as with [`sample`](Self::sample).
+    /// [J] energies stored in tangential, rolling and twisting springs, which are parts of the elastic energy. The
+    /// sums are over all processes; if each has a part of the particles, all of them must call this method.
     pub fn spring_energies(&self) -> [f64; 3] {
         self.engine.spring_energies()
     }
@@ -87,7 +87,8 @@ impl Simulation {
         self.engine.distributed().map_or_else(Vec::new, Distributed::touching_abroad)
     }
 
-    /// Summary of all contacts in progress, of the particles of all processes, as with [`sample`](Self::sample).
+    /// Summary of all contacts in progress in all processes. If each process has a part of the particles, all
+    /// processes must call this method.
     pub fn touching(&self) -> ContactSummary {
         let abroad = self.touching_abroad();
         let deepest = abroad.iter().map(|(_, overlap)| overlap.depth / overlap.diameter).fold(0.0, f64::max);

@@ -60,7 +60,8 @@ impl Simulation {
     }
 
     /// Takes from the gas the momentum that a kick has given to the particles, and advances the gas by the `duration`
-    /// [s] of the kick. `before` are the [`slice_sums`](Self::slice_sums) before the kick; with `None` nothing is done.
+    /// [s] of the kick. `before` are the [`slice_sums`](Self::slice_sums) before the kick; with `None` this method
+    /// does nothing.
     pub(super) fn advance_gas(&mut self, before: Option<Vec<SliceSums>>, duration: f64) {
         let Some((before, after)) = before.zip(self.slice_sums(None)) else { return };
         let given = before.iter().zip(&after).map(|(before, after)| after.impulse - before.impulse);
@@ -72,7 +73,8 @@ impl Simulation {
     }
 
     /// Records the momentum along z that lift has given to the particles; the gas loses it in the next drag kick.
-    /// `before` are the [`slice_sums`](Self::slice_sums) before the kick of lift; with `None` nothing is done.
+    /// `before` are the [`slice_sums`](Self::slice_sums) before the kick of lift; with `None` this method does
+    /// nothing.
     pub(super) fn owe_lift(&mut self, before: Option<Vec<SliceSums>>) {
         let Some((before, after)) = before.zip(self.slice_sums(None)) else { return };
         if let Some(flow) = &mut self.loaded_flow {

@@ -41,8 +41,8 @@ struct SphereInTheWay {
 }
 
 impl SphereInTheWay {
-    /// True if a sphere with the centre `position` [m] and the radius `radius` [m] would overlap or nearly touch
-    /// `self`.
+    /// True if a sphere with the centre `position` [m] and the radius `radius` [m] would overlap or nearly touch this
+    /// one.
     fn blocks(&self, position: &Vector3<f64>, radius: f64, domain: &Domain) -> bool {
         let reach = (self.radius + radius) * (1.0 + MARGIN);
         domain.separation(position, &self.position).norm_squared() <= reach * reach
@@ -74,9 +74,10 @@ impl NewParticle {
 }
 
 impl Simulation {
-    /// Particles that come in now, with their entries in the ledger. Particles that must come in but find no free
-    /// position wait. `leaving` contains the index of each particle that leaves now, in ascending order, with the index
-    /// of its outlet. The counts of particles in `flow` are updated.
+    /// Particles that come in now, with their entries in the ledger (sums of energies and impulses). Particles that
+    /// must come in but find no free position wait for a later window. `leaving` contains the index of each particle
+    /// that leaves now, in ascending order, with the index of its outlet. The counts of particles in `flow` are
+    /// updated.
     pub(super) fn incoming(&mut self, flow: &mut ThroughFlow, leaving: &[(u32, usize)]) -> (Particles, Vec<Ledger>) {
         let (mut fresh, mut entries) = (Particles::default(), Vec::new());
         for number in 0..self.scene.inlets.len() {
@@ -91,7 +92,7 @@ impl Simulation {
     }
 
     /// Appends up to `due` particles of the inlet with the index `number` to `fresh`, and returns their number. If one
-    /// particle finds no free position, this particle and the rest wait.
+    /// particle finds no free position, this particle and the remaining ones wait for a later window.
     fn insert(
         &mut self,
         number: usize,
@@ -138,8 +139,8 @@ impl Simulation {
         }
     }
 
-    /// Spheres that reach into the region of an inlet: particles of the scene, except those that leave now, and
-    /// particles of `fresh`.
+    /// Spheres that reach into the region of an inlet: particles of the scene, except those that leave now, and the
+    /// particles `fresh` that have just come in.
     fn obstacles(&self, inlet: &Inlet, leaving: &[(u32, usize)], fresh: &Particles) -> Vec<SphereInTheWay> {
         let domain = &self.scene.domain;
         let [low, high] = inlet.region.corners();

@@ -13,8 +13,8 @@ use crate::scene::Species;
 use crate::work_sharing;
 use nalgebra::Vector3;
 
-/// Smallest number of particles for which the drag law is tabulated. With inlets or outlets, it is tabulated for any
-/// number. Making the table takes as long as several dozen kicks (changes of velocities by drag) of this number of
+/// Smallest number of particles for which the drag law is tabulated. With inlets or outlets, the law is tabulated for
+/// any number. Making the table takes as long as several dozen kicks (changes of velocities by drag) of this number of
 /// particles, and a run makes hundreds of kicks.
 const TABULATE: usize = 1000;
 
@@ -82,9 +82,10 @@ impl Simulation {
         LocalFractions::of(&self.particles, &self.scene.domain, cells, self.parts())
     }
 
-    /// Adds the impulse and the work of a kick to the ledger, and the impulse to the total momentum. `sums` contains
-    /// the impulse [kg m/s] along x, y and z and the work [J] for the particles of this process. `entry` makes the
-    /// entry of the ledger from the totals over all processes.
+    /// Adds the impulse and the work of a kick (change of velocities at fixed positions) to the ledger of energies and
+    /// impulses, and the impulse to the total momentum. `sums` contains the impulse [kg m/s] along x, y and z and the
+    /// work [J] for the particles of this process. `entry` makes the entry of the ledger from the totals over all
+    /// processes.
     pub(super) fn book_kick(&mut self, mut sums: [ExactSum; 4], entry: fn(Vector3<f64>, f64) -> Ledger) {
         self.sample().total(&mut sums.each_mut());
         if self.is_follower() {

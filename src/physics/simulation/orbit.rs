@@ -6,9 +6,9 @@ use super::weight::accelerate;
 use crate::record::Ledger;
 
 impl Simulation {
-    /// Applies the forces of the orbit of a sheared box for `duration` [s], without any motion. The ledger counts their
-    /// work and impulse as those of gravity, since tides are differences in gravity and the Coriolis force does no
-    /// work.
+    /// Applies the forces of the orbit of a sheared box for `duration` [s], without any motion. The ledger counts the
+    /// work and impulse of these forces as those of gravity, since tides are differences in gravity and the Coriolis
+    /// force does no work.
     pub(super) fn kick_of_orbit(&mut self, duration: f64) {
         let domain = &self.scene.domain;
         let Some(orbit) = domain.orbit() else { return };

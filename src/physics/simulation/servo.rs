@@ -9,11 +9,11 @@ use crate::experiment::Experiment;
 use crate::schedule::impedance;
 use crate::walls::ServoState;
 
-/// Data that servo walls need besides their own motion.
+/// Data that the control of servo walls needs besides the motion of these walls.
 pub(super) struct ServoControl {
     /// Contact law, which gives the forces of particles on the walls.
     law: ContactLaw,
-    /// [Pa s/m] damping of those servo walls for which the case gives no damping.
+    /// [Pa s/m] damping of the servo walls whose damping the case (input file) does not give.
     damping: f64,
 }
 
@@ -27,7 +27,7 @@ impl ServoControl {
 
 impl Simulation {
     /// Measures the force of the particles on each servo wall at the present time, and sets the speed of the wall for
-    /// the next window.
+    /// the next window (time between two exchanges with the gas).
     pub(super) fn steer_servo_walls(&mut self) {
         let Some(control) = &self.servo else { return };
         let mut forces: Vec<ExactSum> = self.scene.walls.iter().map(|_| ExactSum::default()).collect();

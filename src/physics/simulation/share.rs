@@ -37,8 +37,8 @@ pub struct GatheredParticles {
 /// own particles.
 #[derive(Clone, Serialize, Deserialize)]
 pub enum Order {
-    /// Apply drag and heat without motion for a duration [s]. The second value is the number of the kick, which
-    /// determines its random numbers.
+    /// Apply drag and heat for a duration [s], without motion (a kick). The second value is the number of the kick,
+    /// which determines its random numbers.
     Kick(f64, u64),
     /// Advance the engine from the time of the first value [s] by a window, whose length [s] is the second value. If
     /// particles change the gas, the gas is sent too (otherwise `None`), since processes that had no particles have not
@@ -61,8 +61,8 @@ pub enum Order {
     /// Call observers (measurements) for the particles of the process. The values are the time [s], the total momentum
     /// [kg m/s], and a list with the index of each observer and its stored data or `None`.
     ///
-    /// Only at the first call of an observer there are stored data. The observer then continues from these data, which
-    /// its copy in the lead process has collected.
+    /// Stored data are sent only at the first call of an observer. They are what the observer in the lead process has
+    /// measured so far; the observers of the other processes continue from these data.
     See(f64, Vector3<f64>, Vec<(usize, Option<Stored>)>),
     /// End the work of the other processes, because the run is over.
     End,
@@ -223,7 +223,8 @@ impl Simulation {
         known.unwrap_or_else(|| Sample::from(&self.particles).fluctuation_speed())
     }
 
-    /// Replaces the particles gathered from all processes by the particles that this process moves.
+    /// Undoes [`gather`](Self::gather): replaces the particles gathered from all processes by the particles that this
+    /// process moves.
     pub(super) fn scatter(&mut self) {
         self.shown = None;
         if let Some(engine) = self.engine.distributed_mut() {
@@ -253,8 +254,8 @@ impl Simulation {
         self.parts().filter(|_| gives_parts).map_or(0, Communicator::size)
     }
 
-    /// Adds up all records for a [`snapshot`](Self::snapshot). Then calls `take` with each part of the state in turn,
-    /// so that only one part is in memory.
+    /// Adds up the records (impacts, energies and momenta) of all processes for a [`snapshot`](Self::snapshot). Then
+    /// calls `take` with each part of the state in turn, so that only one part is in memory.
     pub fn give_parts(&mut self, take: &mut dyn FnMut(Vec<u8>)) {
         self.order(&Order::Give);
         self.collect_records();
@@ -268,8 +269,8 @@ impl Simulation {
     }
 
     /// Continues from the `count` parts of a stored state, in the lead process (number 0). `next` returns the part
-    /// with a given number. At the same time the other processes must call [`take_dealt`](Self::take_dealt) to receive
-    /// their parts.
+    /// with the number that it gets. At the same time the other processes must call [`take_dealt`](Self::take_dealt)
+    /// to receive their parts.
     ///
     /// # Errors
     /// The parts do not contain all particles.

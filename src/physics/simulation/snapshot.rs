@@ -26,7 +26,7 @@ pub struct Snapshot {
     pub record: Record,
     /// [s] simulated time of the snapshot.
     pub time: f64,
-    /// Number of windows completed since the start of the run.
+    /// Number of windows (times between two exchanges with the gas) completed since the start of the run.
     pub windows: u64,
     /// Wall-clock times spent so far in the engine, in changes of velocity between windows, and in observers.
     pub spent: SimulationTimes,
@@ -36,7 +36,7 @@ pub struct Snapshot {
     /// and positions belong to one time. False if velocities still lack the change by drag in half a window.
     half_kicked: bool,
     /// Limit of the growth of the energy by errors of the time steps of soft spheres. It depends on the initial state.
-    /// `None` if there is no such limit, as without soft contacts.
+    /// `None` if there is no such limit, for example because the model has no soft contacts.
     bound: Option<Bound>,
     /// [J] elastic energy of the overlaps at the start; `None` after the first window (time between two exchanges with
     /// the gas).

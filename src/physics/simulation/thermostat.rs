@@ -38,7 +38,8 @@ impl Simulation {
         self.spent.drag += self.clock.now() - began;
     }
 
-    /// [m/s] independent Gaussian changes of velocity, whose components have the given standard deviation [m/s].
+    /// [m/s] independent Gaussian changes of velocity, one per particle. Each component has the standard deviation
+    /// `deviation` [m/s]. `number` is the number of the change, which determines its random numbers.
     fn random_changes(&self, deviation: f64, number: u64) -> Vec<Vector3<f64>> {
         let seed = self.seed;
         let draw = |ids: &[u32]| -> Vec<Vector3<f64>> {

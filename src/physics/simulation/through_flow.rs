@@ -17,21 +17,21 @@ const SUMS: usize = 8;
 /// Sums over the particles that have passed through an inlet or outlet since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FlowTotals {
-    /// Number of particles that have passed.
+    /// Number of particles that have passed through the inlet or outlet.
     pub count: u64,
-    /// [kg] mass of the particles that have passed.
+    /// [kg] total mass of the particles that have passed through the inlet or outlet.
     pub mass: f64,
-    /// [kg m/s] momentum of the particles when they passed.
+    /// [kg m/s] total momentum of the particles at the times when they came in or left.
     pub momentum: Vector3<f64>,
-    /// [J] kinetic energy of the translation of the particles when they passed.
+    /// [J] total kinetic energy of translation of the particles at the times when they came in or left.
     pub kinetic_energy: f64,
-    /// [J] rotational energy of the particles when they passed.
+    /// [J] total rotational energy of the particles at the times when they came in or left.
     pub rotational_energy: f64,
-    /// [J] sum of the potential energies -m g·x of the particles when they passed, with the mass m, the acceleration g
-    /// by gravity and the position x. This energy is not part of the energy balance, where the work of gravity takes
-    /// its place.
+    /// [J] sum of the potential energies -m g·x of the particles at the times when they came in or left, with the mass
+    /// m, the acceleration g by gravity and the position x. This energy is not part of the energy balance, where the
+    /// work of gravity takes its place.
     pub potential_energy: f64,
-    /// [m/s] sum of the speeds of the particles when they passed.
+    /// [m/s] sum of the speeds of the particles at the times when they came in or left.
     pub speed: f64,
 }
 
@@ -54,7 +54,7 @@ impl Default for OpeningFlow {
 }
 
 impl OpeningFlow {
-    /// Sums over the particles that have passed since the start, each rounded once.
+    /// Sums over the particles that have passed through this inlet or outlet since the start, each rounded once.
     pub fn totals(&self) -> FlowTotals {
         let [mass, x, y, z, kinetic_energy, rotational_energy, potential_energy, speed] = values(&self.sums);
         let (count, momentum) = (self.count, Vector3::new(x, y, z));
@@ -66,7 +66,8 @@ impl OpeningFlow {
         [self.waiting, self.most_waiting]
     }
 
-    /// Sets the number of particles that wait at an inlet for a place, and raises the largest number so far.
+    /// Sets the number of particles that now wait at an inlet for a place. Also raises the largest number that waited
+    /// at one time, if the new number exceeds it.
     pub(super) fn set_waiting(&mut self, waiting: u64) {
         self.waiting = waiting;
         self.most_waiting = self.most_waiting.max(waiting);
@@ -104,12 +105,13 @@ pub struct ThroughFlow {
     pub outlets: Vec<OpeningFlow>,
     /// Flow through each inlet of the scene.
     pub inlets: Vec<OpeningFlow>,
-    /// [J] exact sum of the elastic energies of the contacts that were cut when particles left.
+    /// [J] exact sum of the elastic energies of contacts that ended because one of the particles left the scene.
     cut: ExactSum,
 }
 
 impl ThroughFlow {
-    /// Creates the state before the first window. Ids above the largest id in `particles` are free.
+    /// Creates the state before the first window (time between two exchanges with the gas). Ids above the largest id
+    /// in `particles` are free.
     pub(super) fn new(scene: &Scene, particles: &Particles) -> Self {
         let next_id = particles.id.iter().max().map_or(Some(0), |largest| largest.checked_add(1));
         let closed = |count: usize| vec![OpeningFlow::default(); count];
@@ -121,7 +123,7 @@ impl ThroughFlow {
         }
     }
 
-    /// [J] elastic energy of the contacts that were cut when particles left, since the start.
+    /// [J] elastic energy of the contacts that ended because one of the particles left the scene, since the start.
     pub fn cut_energy(&self) -> f64 {
         self.cut.value()
     }
@@ -145,7 +147,8 @@ impl Simulation {
     }
 
     /// Lets particles leave through outlets and come in through inlets at the end of a window, and updates engine,
-    /// ledger and totals. Velocities may lack the change by drag in half a window, as between windows.
+    /// ledger and totals. A window is the time between two exchanges with the gas. Velocities may lack the change by
+    /// drag in half a window when this method is called.
     pub(super) fn exchange_particles(&mut self) {
         let Some(mut flow) = self.through_flow.take() else { return };
         // all particles are in the lead process
@@ -175,7 +178,8 @@ impl Simulation {
         positions.filter_map(|(index, position)| Some((index, outlet_of(position)?))).collect()
     }
 
-    /// Removes the particles that leave and appends those that come in, which are already counted at their inlets.
+    /// Removes the particles that leave and appends the particles that come in, which are already counted at their
+    /// inlets.
     fn replace(
         &mut self,
         flow: &mut ThroughFlow,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct SimulationTotals {
     /// Number of particles in all processes.
     pub count: usize,
-    /// [m] mean radius of all particles.
+    /// [m] mean radius of all particles in all processes.
     pub mean_radius: f64,
     /// [kg] mass of all particles in all processes.
     pub mass: f64,

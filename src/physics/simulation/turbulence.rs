@@ -91,7 +91,8 @@ pub(super) struct TurbulentKick<'a> {
     pub profile: &'a Profile,
     /// Turbulence of the gas: statistics, and law of the fluctuations that particles see.
     pub turbulence: &'a Turbulence,
-    /// Kick of drag in a gas of constant velocity.
+    /// Change of the velocities by drag alone in a gas of constant velocity, from which the kick in turbulence is
+    /// computed.
     pub kick: &'a Kick,
     /// Local volume fractions of the particles; `None` if the drag law does not depend on them.
     pub fractions: Option<&'a LocalFractions>,
@@ -99,8 +100,8 @@ pub(super) struct TurbulentKick<'a> {
     pub seed_and_number: (u64, u64),
 }
 
-/// Velocities [m/s] of one chunk of particles (successive particles that one thread treats), and the fluctuations of
-/// the gas velocity that these particles see.
+/// Velocities [m/s] of one chunk of particles (successive particles that one thread treats), and the stored values of
+/// the fluctuations of the gas velocity that these particles see.
 type Moving<'a> = (&'a mut [Vector3<f64>], &'a mut [Vector3<f64>]);
 
 impl TurbulentKick<'_> {
@@ -166,7 +167,8 @@ impl TurbulentKick<'_> {
     }
 
     /// [-] change of the slip velocity of the particle at `index` in this kick, divided by the slip velocity before
-    /// the kick; at least -1 but for rounding. `square` [m²/s²] is the square of the magnitude of the slip velocity.
+    /// the kick; at least -1 (rounding may make it slightly smaller). `square` [m²/s²] is the square of the magnitude
+    /// of the slip velocity.
     #[inline]
     fn ratio(&self, all: &Particles, index: usize, square: f64) -> f64 {
         let (species, radius) = (all.species[index], all.radius[index]);

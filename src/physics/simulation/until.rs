@@ -106,14 +106,15 @@ impl Simulation {
     }
 
     /// Position of the present time in `schedule`. It is the stored position, unless other methods have moved the
-    /// simulation since. In that case it is found from the time.
+    /// simulation since. After such a move the position is found from the time.
     fn position_at_present(&self, schedule: Schedule) -> SchedulePosition {
         let known = Some(&self.schedule_position)
             .filter(|schedule_position| schedule_position.window() > 0.0 && schedule_position.is_at(self.time));
         known.cloned().unwrap_or_else(|| SchedulePosition::at(schedule, self.time))
     }
 
-    /// Schedule with windows of one length for the particles of this simulation, which move for `duration` [s].
+    /// Chooses a schedule for the particles of this simulation, which move for `duration` [s]. All its windows (times
+    /// between two exchanges with the gas) have one length.
     fn chosen(&self, duration: f64) -> Schedule {
         let population = |species: u16| {
             let is_own = |index: &u32| self.particles.species[*index as usize] == species;

@@ -44,7 +44,7 @@ impl Simulation {
     }
 
     /// Accelerates each particle for `duration` [s] by the acceleration of its species minus that of the densest
-    /// species. Both accelerations are due to weight minus buoyancy. The engine itself applies the acceleration of the
+    /// species. Both are the accelerations by weight and buoyancy. The engine itself applies the acceleration of the
     /// densest species to all particles.
     pub(super) fn add_differences_in_gravity(&mut self, duration: f64) {
         let differences = self.scene.differences_in_gravity();

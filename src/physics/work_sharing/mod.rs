@@ -106,8 +106,8 @@ impl Drop for CompletionSignal<'_> {
     }
 }
 
-/// Waits until `busy`, the number of other threads that work on the loop, is zero. Meanwhile this thread does other
-/// available work of the pool.
+/// Waits until `busy`, the number of other threads that still work on the shared loop, is zero. Meanwhile this thread
+/// does other available work of the pool.
 fn wait_for(busy: &AtomicUsize) {
     let mut idle = IdleThread::default();
     while busy.load(Ordering::Acquire) > 0 {
@@ -126,8 +126,8 @@ struct IdleThread {
 }
 
 impl IdleThread {
-    /// Waits before the next search for work, so that other programs can use the processor. After [`LOOKS`] searches
-    /// without work, the thread rests for [`RESTS`].
+    /// Waits before this thread searches for work again, so that other programs can use the processor. After [`LOOKS`]
+    /// searches without work, the pause is [`RESTS`].
     fn look_again(&mut self) {
         self.looks = self.looks.saturating_add(1);
         if self.looks < LOOKS { std::thread::yield_now() } else { std::thread::sleep(RESTS) }

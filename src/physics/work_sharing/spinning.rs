@@ -84,7 +84,7 @@ mod tests {
     use std::sync::atomic::AtomicUsize;
     use std::time::Duration;
 
-    /// Largest number of pieces of work that were done at the same time on four threads.
+    /// Largest number of pieces of work that were done at the same time by four threads, after a pause without work.
     fn at_once(pause: Duration) -> usize {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
         let (here, most) = (AtomicUsize::new(0), AtomicUsize::new(0));

@@ -32,10 +32,12 @@ pub trait Link {
     /// Returns in all processes the bytes that process 0 has passed, as [`Communicator::broadcast`] does.
     fn broadcast(&self, bytes: Vec<u8>) -> Vec<u8>;
 
-    /// Replaces each number by its sum over all processes, as [`Communicator::sum`] does.
+    /// Replaces each number of the list by the sum of the numbers at this position over all processes, as
+    /// [`Communicator::sum`] does.
     fn sum(&self, numbers: &mut [i64]);
 
-    /// Replaces each value by the largest value of all processes, as [`Communicator::largest`] does.
+    /// Replaces each value of the list by the largest value at this position in all processes, as
+    /// [`Communicator::largest`] does.
     fn largest(&self, values: &mut [f64]);
 }
 

@@ -25,7 +25,7 @@ use std::collections::VecDeque;
 /// Processes that work on one command, as seen from one of them. Process 0 is the lead, the others are helpers.
 pub struct Ranks {
     link: Box<dyn Link>,
-    /// True when the processes have compared the checksums of their lists of runs.
+    /// True if the processes have already compared the checksums of their lists of runs.
     agreed: Cell<bool>,
     /// Numbers of the helper processes that are free to begin a run. A helper is listed once for each run that it can
     /// begin.
@@ -54,7 +54,7 @@ pub enum Message {
     /// From a helper process to the lead process: the run with this index has reached this simulated time [s].
     At(usize, f64),
     /// From a helper process to the lead process: the run with this index is over. The bytes are its result, `None` if
-    /// the run was stopped early; an error is that of the run.
+    /// the run was stopped early; an error is the one with which the run failed.
     Done(usize, Result<Option<Vec<u8>>, StudyError>),
     /// From a helper process to the lead process: the helper can do no run, for this reason.
     Failed(String),
@@ -65,9 +65,9 @@ pub enum Message {
 /// Result of reading the command and the case in one process. The processes compare these results before they begin.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 enum Found {
-    /// The process can begin. The number is the checksum of its work, such as of its list of runs.
+    /// The process can begin. The number is a checksum of its work, for example of its list of runs.
     Work(u32),
-    /// The process cannot begin, for this reason. The flag is true if the input is wrong.
+    /// The process cannot begin, for the reason in the text. The second value is true if the input is wrong.
     Error(String, bool),
 }
 
@@ -145,13 +145,13 @@ impl Ranks {
         if self.is_lead() { work() } else { Ok(T::default()) }
     }
 
-    /// Compares the work of this process with the work of all other processes before the work begins. `found` is this
-    /// work, or the reason why the process cannot begin. The function `mark` computes the checksum of the work. Every
-    /// process must call this function or [`close`](Self::close).
+    /// Compares the work of this process with the work of all other processes before the work begins. `found` is the
+    /// work of this process, such as its list of runs, or the reason why the process cannot begin. The function `mark`
+    /// computes the checksum of the work. Every process must call this function or [`close`](Self::close).
     ///
     /// # Errors
-    /// Returns the error of the first process that has one, in all processes. It also returns an error if the work of a
-    /// process differs from that of the lead.
+    /// Returns the error of the first process that has one, in all processes. It also returns an error if the work of
+    /// a process differs from that of the lead.
     pub fn agree<T>(&self, found: Result<T, StudyError>, mark: impl FnOnce(&T) -> u32) -> Result<T, StudyError> {
         self.agreed.set(true);
         if self.count() == 1 {
@@ -291,8 +291,8 @@ fn unfit(why: postcard::Error) -> StudyError {
     StudyError::Failed(format!("error: a message between processes cannot be read: {why}"))
 }
 
-/// Error that names the reason why the processes cannot begin together; `None` if they can. `all` has the result of
-/// each process, in the order of their numbers.
+/// Error with the reason why the processes cannot begin together; `None` if they can. `all` has the result of each
+/// process, in the order of the numbers of the processes.
 fn disagreement(all: &[Found]) -> Option<StudyError> {
     let error = all.iter().enumerate().find_map(|(rank, found)| match found {
         Found::Error(why, input) => Some((rank, why, *input)),

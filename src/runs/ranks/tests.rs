@@ -99,11 +99,11 @@ fn processes(count: usize, work: impl Fn(&Ranks) -> Result<u8, StudyError> + Syn
     })
 }
 
-/// List of runs whose results are the squares of their indices.
+/// List of test runs; the result of each run is the square of its index in the list.
 struct Squares {
     /// Number of results that came from other processes.
     by_others: AtomicUsize,
-    /// If this is `Some`, each run that is done for another process fails; with `None`, these runs succeed.
+    /// `Some` if each run that is done for another process must fail; `None` if these runs succeed.
     unknown: Option<usize>,
     /// Index of the run that is stopped before its end; `None` if all runs end.
     stopped_at: Option<usize>,

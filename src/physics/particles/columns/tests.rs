@@ -1,4 +1,4 @@
-//! Tests that each operation of a store includes every column.
+//! Tests that each operation of a particle store includes every column.
 
 use super::*;
 use crate::particles::values::AsNumbers;
@@ -11,7 +11,7 @@ columns! {
     /// Moving state of several rods.
     pub struct RodChunk;
 
-    /// A store with an optional column.
+    /// A store of test particles (rods) with an optional column.
     #[derive(Clone, Debug, Default, PartialEq)]
     pub struct Rods {
         pub position: Vec<Vector3<f64>> => ["x", "y", "z"] as moving,
@@ -75,7 +75,7 @@ fn every_operation_reaches_every_column() {
     assert_eq!((copy.position.len(), copy.length.len(), copy.spin), (0, 0, Some(Vec::new())));
 }
 
-/// Checks that every operation on the moving state includes an optional column marked as moving.
+/// Checks that every operation on values that change with time includes an optional column marked `as moving`.
 #[test]
 fn what_moves_is_taken_put_sent_kept_and_checked_whole() {
     let (mut rods, numbers) = (three(true), |rods: &Rods, k| {
