@@ -6,7 +6,7 @@
 
 use std::borrow::Cow;
 
-/// [characters] largest part of a foreign text, such as a name from a file, that a message quotes.
+/// [characters] number of characters of a foreign text, such as a name from a file, after which a message cuts it.
 const QUOTED: usize = 200;
 
 /// [characters] largest length of a message: about 25 lines of a terminal.
@@ -14,8 +14,8 @@ const MESSAGE: usize = 2000;
 
 /// True for a character that has an effect instead of a visible shape. These are controls (category Cc of Unicode),
 /// line and paragraph separators, and characters of category Cf that change the direction of writing or have no width.
-/// UTR 36, "Unicode Security Considerations", names both categories. The joiners U+200C and U+200D are not among them,
-/// because scripts of India and Persia require them.
+/// UTR 36, "Unicode Security Considerations", names the categories Cc and Cf. The joiners U+200C and U+200D, which
+/// have no width either, are allowed, because scripts of India and Persia require them.
 pub fn acts(c: char) -> bool {
     c.is_control()
         || matches!(c,
@@ -91,7 +91,8 @@ fn show(c: char, to: &mut String) {
     }
 }
 
-/// True if a spreadsheet could read a text as a formula (OWASP, "CSV Injection"). Leading apostrophes are ignored.
+/// True if a spreadsheet could read a text as a formula (OWASP, "CSV Injection"). Apostrophes at its beginning are
+/// ignored, because [`cell`] adds such an apostrophe.
 fn is_formula(text: &str) -> bool {
     text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
 }

@@ -1,7 +1,7 @@
 //! Reads case files (TOML with units) and files of triangles for Diptych.
 //!
-//! The crate `diptych` re-exports everything here, and programs use that crate. Modules import only from modules above
-//! them in the list below, and from the crate `diptych_physics`.
+//! The crate `diptych` re-exports everything here, and programs use that crate. This file lists the modules. Each
+//! imports only from modules earlier in the list, and from the crate `diptych_physics`.
 
 #![allow(rustdoc::broken_intra_doc_links, reason = "units stand in brackets")]
 

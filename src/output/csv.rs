@@ -284,8 +284,8 @@ pub fn state(particles: &Particles, scene: &Scene, about: &[(&str, String)]) -> 
 }
 
 /// Contents of `impact.csv`: the paths of the two bodies in the impact study. The gap [m] is negative while the bodies
-/// overlap. The normal velocity [m/s] is negative while they approach each other. The path of a closed-form solution
-/// has the name `NAME (analytic)`.
+/// overlap. The normal velocity [m/s] is negative while they approach each other. The closed-form solution for the
+/// variant NAME has the name `NAME (analytic)`.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.
@@ -444,7 +444,7 @@ pub fn sensitivity(study: &SensitivityStudy) -> Result<Vec<u8>, OutputError> {
 }
 
 /// True if the text of a table is that of a map (table of the settings for which a method fails) made by [`limits`].
-/// Other tables in that folder belong to the user.
+/// Other tables in the folder `maps` belong to the user.
 pub fn is_map(table: &str) -> bool {
     table.lines().next().is_some_and(|header| header.ends_with(&MAP_ENDS.join(",")))
 }

@@ -150,8 +150,8 @@ impl Folder {
         Self::open(path.into(), if overwrite { Owner::Overwriter } else { Owner::Beginner })
     }
 
-    /// Opens the folder of a run that is resumed. The report of the earlier part remains until the first new file is
-    /// complete. Temporary files of a killed run are removed.
+    /// Opens the folder of a run that is resumed. The report that the run wrote before it was stopped remains until
+    /// the first new file is complete. Temporary files of a killed run are removed.
     ///
     /// # Errors
     /// Errors of [`create`](Self::create).
@@ -170,8 +170,8 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Folder that another process of this command has created. This process may write files into the folder after the
-    /// other process has called [`make_room`](Self::make_room).
+    /// Folder that another process has created, in a run that several processes share. This process may write files
+    /// into the folder after the other process has called [`make_room`](Self::make_room).
     pub fn of_another(path: impl Into<PathBuf>) -> Self {
         Self { path: path.into(), stale: AtomicBool::new(false), resumed: true, pictures: Mutex::default(), lock: None }
     }
@@ -437,8 +437,8 @@ fn is_in_use(folder: &Path) -> bool {
     lock.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
-/// Removes the lock file of a folder while it is locked, then releases the lock. If the file cannot be removed, other
-/// commands are not hindered.
+/// Removes the lock file of a folder while it is locked, then releases the lock. A lock file that cannot be removed
+/// does not hinder other commands, because it is no longer locked.
 fn unlock(folder: &Path, lock: Option<File>) {
     if let Some(file) = lock {
         let _ = std::fs::remove_file(folder.join(LOCK));
@@ -457,7 +457,7 @@ fn is_at(file: &File, path: &Path) -> bool {
 }
 
 /// True if a file exists at the path `path`. On systems other than Unix, an open file cannot be replaced by another
-/// file.
+/// file, so that this is the open file.
 #[cfg(not(unix))]
 fn is_at(_: &File, path: &Path) -> bool {
     path.exists()

@@ -154,8 +154,8 @@ fn contents(folds: &[Fold], tables: &[(String, Vec<u8>)]) -> Markup {
     }
 }
 
-/// HTML of a part of the page, which the reader opens by its heading. The target of links is inside the part, so that a
-/// link to the part opens it.
+/// HTML of a part of the page, which the reader opens by its heading. The target of links is inside the part, because
+/// a browser opens a hidden part if a link leads into it.
 fn folded(fold: &Fold) -> Markup {
     html! {
         details.part {

@@ -32,7 +32,7 @@ pub struct Map {
     pub columns: Vec<&'static str>,
     /// Points of the map, in the order in which they are drawn.
     pub rows: Vec<MapPoint>,
-    /// Picture of the map: cells or curves.
+    /// Picture of the map: coloured cells or curves.
     pub picture: Picture,
     /// Text of a case that `diptych run` can read. For each point (row) of the map, some keys of this case were
     /// changed.

@@ -166,8 +166,8 @@ pub struct Study<'a> {
     /// Recorded motion of the particles for animations, in the order of the variants (experiments of a case). Empty
     /// without animations.
     pub frames: &'a [Frames],
-    /// Budgets of a single run: rates at which single processes, such as drag, change the second moments of velocity.
-    /// `None` unless the user asks for budgets.
+    /// Budgets of a single run: rates at which single processes, such as drag, change the second moments of velocity
+    /// (means of products of two fluctuations). `None` unless the user asks for budgets.
     pub budgets: Option<&'a Budgets>,
 }
 

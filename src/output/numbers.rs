@@ -77,7 +77,8 @@ pub fn count(value: u64) -> String {
     text
 }
 
-/// Text of the ratio `part`/`whole` in per cent, with two digits.
+/// Text of the ratio `part`/`whole` in per cent, with two significant digits; the sign for an unknown number if
+/// `whole` is 0.
 pub fn percent(part: f64, whole: f64) -> String {
     let ratio = 100.0 * part / whole;
     if ratio.is_finite() { format!("{} %", significant(ratio, 2)) } else { UNKNOWN.into() }

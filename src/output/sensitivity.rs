@@ -75,7 +75,8 @@ pub struct Factor {
     pub remarks: Vec<String>,
     /// Reason why a run with this factor stopped early; `None` if all runs ended.
     pub stopped: Option<String>,
-    /// Answer for the factor (equivalent, different or unresolved): the least favourable answer among all observables.
+    /// Answer for the factor: the least favourable answer among all observables. From favourable to unfavourable, the
+    /// answers are equivalent, unresolved, different.
     #[serde(rename = "verdict")]
     pub answer: Answer,
 }

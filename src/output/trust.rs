@@ -17,7 +17,7 @@ pub enum Expected {
     Anything,
 }
 
-/// Judgement of a value by the condition of its check.
+/// Judgement of a checked value by the condition of its check: good, suspect, only stated or unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Judgement {

@@ -124,16 +124,16 @@ pub struct ValidationRow {
 }
 
 impl ValidationRow {
-    /// Answer of the row (comparison): the least favourable answer of its numbers. It is `Unresolved` if a run stopped,
-    /// or if there are no numbers.
+    /// Answer of the row (comparison): the least favourable answer of its numbers (different, else unresolved, else
+    /// equivalent). It is `Unresolved` if a run stopped, or if there are no numbers.
     pub fn answer(&self) -> Answer {
         let worst = self.numbers.iter().map(|number| number.answer).max();
         worst.filter(|_| self.failure.is_none()).unwrap_or(Answer::Unresolved)
     }
 
     /// Number of the row (comparison) that deviates most. It is chosen among the numbers with the least favourable
-    /// answer, and has the largest difference, divided by its tolerance or margin (largest accepted difference). `None`
-    /// if the row has no numbers.
+    /// answer (different, else unresolved, else equivalent). Among these it has the largest difference, divided by its
+    /// tolerance or margin (largest accepted difference). `None` if the row has no numbers.
     pub fn worst(&self) -> Option<&ValidationNumber> {
         let worst = self.answer();
         let among = self.numbers.iter().filter(|number| number.answer == worst);
@@ -184,7 +184,8 @@ impl ValidationStudy<'_> {
         format!("diptych validate --only {}{}", row.name, if self.quick { " --quick" } else { "" })
     }
 
-    /// Least favourable answer of all rows (comparisons) of the suite; `None` without rows.
+    /// Least favourable answer (different, else unresolved, else equivalent) of all rows (comparisons) of the suite;
+    /// `None` without rows.
     pub fn answer(&self) -> Option<Answer> {
         self.rows.iter().map(ValidationRow::answer).max()
     }

@@ -25,7 +25,7 @@ pub struct Verdict {
     pub variant: String,
     /// Name of the reference (another experiment of the case, or a table of values) with which the variant is compared.
     pub reference: String,
-    /// Answer: equivalent, different or unresolved.
+    /// Answer of the comparison: equivalent, different or unresolved.
     #[serde(rename = "verdict")]
     pub answer: Answer,
     /// Kind of data that was compared, such as averages.
@@ -56,7 +56,7 @@ pub struct ObservedDifference {
     pub measurement: &'static str,
     /// Name of the number in `observables.csv`.
     pub quantity: String,
-    /// Name of the number in tables and sentences.
+    /// Name of the measured number in tables and sentences.
     #[serde(skip)]
     pub symbol: String,
     /// SI unit of the number; empty for a pure number.

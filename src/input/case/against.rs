@@ -16,7 +16,7 @@ pub enum AgainstFile {
     Table(Located<String>),
 }
 
-/// Table `{ table = "points.csv" }`, which names a file with values.
+/// Value `{ table = "points.csv" }` of the key `against`, which names a file with reference values.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TableFile {

@@ -55,8 +55,8 @@ fn is_bare(node: &CaseNode, sources: &Sources) -> bool {
     }
 }
 
-/// Text of a number with its unit, as a user would type it. If the value is not a number, the text is returned as it
-/// was typed.
+/// Text of a number that was typed without a unit, with `unit` added, as a user would type it. If the value is not a
+/// number, the text is returned as it was typed.
 fn with_unit(node: &CaseNode, unit: Option<&str>, sources: &Sources) -> String {
     let typed = sources.typed(&node.origin);
     match node.value {

@@ -10,7 +10,7 @@ static CASES: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../cases");
 /// Files of the folder `models`, compiled into the program: the sets of values.
 static MODELS: Dir = include_dir!("$CARGO_MANIFEST_DIR/../../models");
 
-/// Case or set of values that is built into the program.
+/// Case, or set of values (part of a case, which cases include by `use`), that is built into the program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltIn {
     /// Name of the case or set: path within the folder `cases` or `models`, without `.toml`.

@@ -1,9 +1,9 @@
-//! Reads the tree of a case into the types of [`super::file`] through serde. The source position of each value is
-//! kept.
+//! Reads the tree of a case into the types of [`super::file`] by means of serde, a library that converts data to Rust
+//! types. The source position of each value is kept.
 //!
-//! The code that serde derives for each table contains the keys of that table. This deserializer walks through the tree
-//! and gives the values to that code. If a value does not fit its type, the error contains the source position of the
-//! value. A field of type [`Located`](super::located::Located) receives the source position of a value that fits.
+//! For each type, serde makes code that knows the keys of the type. The deserializer in this file walks through the
+//! tree and gives the values to that code. If a value does not fit its type, the error contains the source position of
+//! the value. A field of type [`Located`](super::located::Located) receives the source position of a value that fits.
 
 use super::diagnostic::Diagnostic;
 use super::located::LOCATED;
@@ -17,7 +17,7 @@ use serde::de::{
 };
 use std::fmt;
 
-/// Text that separates the message from the remedy in a custom error.
+/// Text that separates the message from the remedy in an error text of serde, which has only one text for both.
 pub(in crate::case) const HELP_MARK: &str = "\u{1}help: ";
 
 /// Reason why a value does not fit its type. The source position of the value is added while the error is passed on to
@@ -42,8 +42,8 @@ impl Error {
         Self { kind: Box::new(kind), at: None }
     }
 
-    /// Adds the source position and the key path of the value, unless the error already has those of a value inside
-    /// this value.
+    /// Adds the source position and the key path of the value that was being read. An error that already has a
+    /// position stays unchanged: its position is that of an inner value, and therefore more precise.
     fn at(mut self, origin: &Origin, path: &str) -> Self {
         self.at.get_or_insert_with(|| Box::new((origin.clone(), path.to_string())));
         self
@@ -87,8 +87,8 @@ impl Error {
     }
 }
 
-/// Adds quotes around each text of a list that was typed without them, such as `[x, y]` in an argument `--set`. Such a
-/// list is read as one string. `None` for other texts, and for lists of lists or tables.
+/// Adds quotes around each word of a list whose words were typed without quotes, such as `[x, y]` in an argument
+/// `--set`. Such a list is read as one string. `None` for other texts, and for lists of lists or tables.
 fn with_quotes(typed: &str) -> Option<String> {
     let inside = typed.strip_prefix('[')?.strip_suffix(']').filter(|inside| !inside.contains(['[', '{', '\'']))?;
     let parts = inside.split(',').map(str::trim).filter(|part| !part.is_empty());
@@ -195,9 +195,8 @@ pub fn read<'de, T: Deserialize<'de>>(root: &'de CaseNode) -> Result<T, Error> {
 /// Empty table. It stands for the parameters of a law that is typed by its name alone, as in `drag = "stokes"`.
 static NO_ENTRIES: Value = Value::Table(Vec::new());
 
-/// Value of a case to be read, with its source position and its key path. The compiler makes each generic function of
-/// this type once for every type in a case file. Code that depends on no type is therefore in functions that are not
-/// generic.
+/// Value of a case to be read, with its source position and its key path. Code that depends on no type is in functions
+/// that are not generic, because the compiler makes each generic function once for every type in a case file.
 #[derive(Clone)]
 struct NodeDeserializer<'de> {
     value: &'de Value,
@@ -385,8 +384,8 @@ impl<'de> SeqAccess<'de> for &mut ListAccess<'de, '_> {
     }
 }
 
-/// Sequence that returns one value any number of times. From this sequence serde reads a
-/// [`Located`](super::located::Located): first the place of the value, then the value.
+/// Sequence that yields the same value again and again. From this sequence serde reads a
+/// [`Located`](super::located::Located): first the source position of the value, then the value.
 struct SameValue<'de>(NodeDeserializer<'de>);
 
 impl<'de> SeqAccess<'de> for SameValue<'de> {
@@ -447,7 +446,7 @@ impl<'de, 'p> EnumAccess<'de> for NameAccess<'de, 'p> {
 /// Table of the parameters of a law. From this table serde reads the variant of the enum that stands for the law.
 struct ContentAccess<'de> {
     content: NodeDeserializer<'de>,
-    /// True if the case contains a table, false if it contains the name of the law alone.
+    /// True if the case contains a table of parameters for the law, false if it contains the name of the law alone.
     is_typed: bool,
 }
 

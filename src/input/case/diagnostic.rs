@@ -14,7 +14,7 @@ pub enum Severity {
     Warning,
 }
 
-/// Position in a file or in a `--set` argument. An argument has no lines, so that `line` is 0.
+/// Position in a file or in a `--set` argument. An argument has no lines, so that its line number is 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SourceLocation {
     /// Path of the file, or `--set key=value`.

@@ -5,12 +5,12 @@
 //! line.
 //!
 //! These types are the only list of keys. serde reads a case into them. schemars makes from them the reference of
-//! `diptych keys`, the page `docs/keys.md` and the schema for editors. The comment of a field is the description of its
-//! key. Attributes of the field contain an example and, where needed, the `default` (or `x-default` in words) and these
-//! rules, which the reader of a case applies (`case/rules.rs`):
+//! `diptych keys`, the page `docs/keys.md` and the schema for editors. The comment of a field is the description of
+//! its key. Attributes of the field contain an example and, where needed, the `default` (or `x-default` in words) and
+//! these rules, which the reader of a case applies (`case/rules.rs`):
 //! - `x-range`: the range of a number, in the words of the message about a number out of range;
 //! - `x-required`: the condition under which the key is required. It is `always`, or `or` with the keys that can
-//!   replace it. Other conditions are applied by the code that resolves the key;
+//!   replace it. Other conditions are applied by the code that turns the case into an experiment;
 //! - `x-one-of`: the name of a group of keys, of which a table may contain only one. A key from a later source
 //!   replaces the key of its group from an earlier source.
 //!
@@ -111,7 +111,8 @@ pub struct CaseFile {
     /// Settings of the trajectory files, which are written in addition to the results of every variant. Without this
     /// table no trajectories are written.
     pub output: Option<Located<OutputFile>>,
-    /// One variant that `compare` runs. Without any such table `compare` runs a soft and a hard variant.
+    /// One variant (the case with one collision model and some settings) that `compare` runs. Without any such table
+    /// `compare` runs a soft and a hard variant.
     pub compare: Option<Vec<Located<CompareFile>>>,
     /// One key that `sweep` varies; several such tables make a grid. All other commands ignore this table.
     pub sweep: Option<Vec<Located<SweepFile>>>,
@@ -156,7 +157,7 @@ impl Axis {
 #[serde(deny_unknown_fields)]
 pub struct GravityFile {
     // the range ends at a hundred times the acceleration in the fastest centrifuges
-    /// Components of the acceleration along x, y and z.
+    /// Acceleration by gravity: its components along x, y and z.
     #[schemars(extend("examples" = [["0 m/s^2", "-9.81 m/s^2", "0 m/s^2"]]))]
     #[schemars(extend("x-required" = "always", "x-range" = "-1e9 ..= 1e9 m/s^2"))]
     pub acceleration: Option<Three<Acceleration>>,
@@ -173,7 +174,7 @@ pub struct ParticlesFile {
     #[schemars(example = &"406 um", extend("x-required" = "or `sizes`", "x-range" = "1e-7 m ..= 1 m"))]
     #[schemars(extend("x-one-of" = "size"))]
     pub diameter: Option<Located<Length>>,
-    /// Distribution of the diameters, in place of `diameter`.
+    /// Distribution of the diameters, in place of one `diameter` for all particles.
     #[schemars(extend("x-one-of" = "size"))]
     pub sizes: Option<Located<SizesFile>>,
     /// Density of the material of the particles, ρ_p.
@@ -209,30 +210,31 @@ pub struct ParticlesFile {
     #[schemars(example = &"0.5 m/s", extend("default" = "0 m/s", "x-range" = "0 ..= 1e5 m/s"))]
     pub velocity_fluctuation: Option<Located<FluctuationFile>>,
     // a user may type two thirds as 0.667
-    /// Ratio of the moment of inertia about the centre to m r²: 0.4 for a solid sphere, 2/3 for a thin shell.
+    /// Ratio of the moment of inertia about the centre to m r², with mass m and radius r: 0.4 for a solid sphere, 2/3
+    /// for a thin shell.
     #[schemars(example = 0.667, extend("default" = 0.4, "x-range" = "greater than 0, up to 0.667"))]
     pub inertia_factor: Option<Located<Ratio>>,
     // at the end of the range the surface of a sphere of 1 µm radius moves at 1000 m/s
-    /// Mean spin of the particles at a random start.
+    /// Mean spin (angular velocity) of the particles at a random start.
     #[schemars(extend("examples" = [["0 rad/s", "100 rad/s", "0 rad/s"]]))]
     #[schemars(extend("default" = ["0 rad/s", "0 rad/s", "0 rad/s"], "x-range" = "-1e9 ..= 1e9 rad/s"))]
     pub spin_mean: Option<Three<Spin>>,
-    /// Standard deviation of each spin component of a random start. With two or more particles the drawn spins have
-    /// exactly this deviation.
+    /// Standard deviation of each component of the spin (angular velocity) of a random start. With two or more
+    /// particles the drawn spins have exactly this deviation.
     #[schemars(example = &"500 rad/s", extend("default" = "0 rad/s", "x-range" = "0 ..= 1e9 rad/s"))]
     pub spin_fluctuation: Option<Located<Spin>>,
     /// Elasticity of these particles, if it differs from that in `[soft.hertz]` or `[soft.kuwabara_kono]`.
     pub elasticity: Option<Located<ElasticityFile>>,
 }
 
-/// One particle in the list `at` of a kind.
+/// One particle in the list `at` of a kind of particles.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlacedFile {
     /// Position of the centre of this particle.
     #[schemars(extend("examples" = [["2 mm", "2 mm", "1.8 mm"]], "x-required" = "always"))]
     pub position: Option<Three<Length>>,
-    /// Diameter of this particle, needed if its kind has `sizes`.
+    /// Diameter of this particle, needed if its kind of particles has a size distribution (`sizes`).
     #[schemars(example = &"350 um", extend("x-required" = "with `sizes`"))]
     pub diameter: Option<Located<Length>>,
     /// Velocity of this particle.
@@ -273,15 +275,16 @@ pub struct SoftFile {
     /// True: allows a time step beyond the stability limit of the integrator. Energy then grows without bound.
     #[schemars(example = true, extend("default" = false))]
     pub allow_unstable: Option<Located<bool>>,
-    /// Choice of the particles that are moved by time steps.
+    /// Choice of the particles that are moved by time steps: all, or only those in contact.
     #[schemars(example = &"local", extend("default" = "auto"))]
     pub stepping: Option<Located<SoftStepping>>,
     /// Time integrator of the soft engine.
     #[schemars(example = &"rk2", extend("default" = "velocity_verlet"))]
     pub integrator: Option<Located<Integrator>>,
-    /// Tangential law of spheres that rotate: exactly one of the tables below. With such a table spheres rotate.
+    /// Tangential law of spheres that rotate: exactly one table within this table. With such a table spheres rotate.
     pub tangential: Option<Located<TangentialFile>>,
-    /// Rolling resistance of contacts that last: exactly one of the tables below. With such a table spheres rotate.
+    /// Rolling resistance of contacts that last: exactly one table within this table. With such a table spheres
+    /// rotate.
     pub rolling: Option<Located<RollingFile>>,
     /// Twisting resistance of contacts that last. This table requires a tangential spring.
     pub twisting: Option<Located<TwistingFile>>,
@@ -324,7 +327,7 @@ pub struct HardFile {
     #[schemars(example = &"1e-6 s", extend("x-default" = "every collision has its restitution"))]
     #[schemars(extend("x-range" = "greater than 0 s"))]
     pub contact_time: Option<Located<Time>>,
-    /// Rule of the tangential impulse of spheres that rotate: exactly one of the tables below. With such a table
+    /// Rule of the tangential impulse of spheres that rotate: exactly one table within this table. With such a table
     /// spheres rotate.
     pub friction: Option<Located<ImpactRuleFile>>,
 }
@@ -333,9 +336,9 @@ pub struct HardFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HybridFile {
-    /// Clearance in contact times. A collision is instantaneous if no other particle can reach the two particles
-    /// within this many contact times. At a wall, gravity must also not bring the sphere back within that time. Any
-    /// other touch is a soft contact.
+    /// Clearance, as a number of contact times (durations of a soft contact). A collision is instantaneous if no other
+    /// particle can reach the two particles within this many contact times. At a wall, gravity must also not bring the
+    /// sphere back within that time. Any other touch is a soft contact.
     #[schemars(example = 10, extend("default" = 2, "x-range" = "1 ..= 1e6"))]
     pub clearance: Option<Located<Ratio>>,
 }
@@ -353,7 +356,7 @@ pub struct DsmcFile {
     #[schemars(extend("examples" = [[20, 30, 10]], "x-range" = "1 ..= 10000"))]
     #[schemars(extend("x-default" = "chosen from the mean free path and the number of particles"))]
     pub cells: Option<Located<[Located<i64>; 3]>>,
-    /// Longest time step, in mean free times.
+    /// Longest time step, in mean free times (mean time between two collisions of a particle).
     #[schemars(example = 0.1, extend("default" = 0.2, "x-range" = "greater than 0, up to 1"))]
     pub step: Option<Located<Ratio>>,
 }
@@ -387,7 +390,8 @@ pub struct RunFile {
     /// Seed of the random numbers of the start and of the run; `--seed` overrides it.
     #[schemars(example = 7, extend("default" = 1, "x-range" = "0 ..= 9223372036854775807"))]
     pub seed: Option<Located<i64>>,
-    /// True: allows a run with very many windows or steps, which would take extremely long.
+    /// True: allows a run with very many windows (times between two drag kicks) or time steps, which would take
+    /// extremely long.
     #[schemars(example = true, extend("default" = false))]
     pub allow_long: Option<Located<bool>>,
     /// True: placed particles that overlap other particles or walls are pushed apart before the start. Each overlap may
@@ -412,9 +416,9 @@ pub struct StatisticsFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputFile {
-    /// Time between two frames with all particles, counted from the start and equal in every variant. Windows (times
-    /// between two drag kicks) also end at these times. This may change the last digits of results, unless windows end
-    /// at these times anyway.
+    /// Time between two frames (states of all particles at one instant), counted from the start and equal in every
+    /// variant. Windows (times between two drag kicks) also end at these times. This may change the last digits of
+    /// results, unless windows end at these times anyway.
     #[schemars(example = &"1 ms", extend("x-default" = "none are written", "x-range" = "greater than 0 s"))]
     pub every: Option<Located<Time>>,
     /// File format of the trajectories.

@@ -1,4 +1,4 @@
-//! Cases and starts from values of a calling program, in place of files.
+//! Cases, and particles at the start, from values that a calling program passes in place of files.
 
 use super::diagnostic::Diagnostic;
 use super::source::{Origin, Source, SourceKind};

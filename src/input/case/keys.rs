@@ -1,4 +1,5 @@
-//! Descriptions of all keys, derived from the JSON schema of the types in [`file`](mod@super::file).
+//! Descriptions of all keys, derived from the JSON schema (machine-readable list of keys, types and ranges) of the
+//! types in [`file`](mod@super::file).
 
 use super::file::CaseFile;
 use super::quantity::{QUANTITY, UNIT};
@@ -55,7 +56,7 @@ impl KeyTable {
     }
 }
 
-/// JSON schema of a case, made from the type [`CaseFile`].
+/// JSON schema (machine-readable list of keys, types and ranges) of a case, made from the type [`CaseFile`].
 static SCHEMA: LazyLock<Value> = LazyLock::new(|| {
     let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     // TOML has no null: a key without a value is absent
@@ -145,7 +146,7 @@ fn allow_use(schema: &mut Value) {
     }
 }
 
-/// Alternatives that a schema allows: its branches if it is a choice, else the schema itself.
+/// Alternatives that a schema allows: the list of its alternatives if it is a choice, else the schema itself.
 fn branches(schema: &Value) -> &[Value] {
     match schema.get("oneOf").or_else(|| schema.get("anyOf")) {
         Some(Value::Array(branches)) => branches,

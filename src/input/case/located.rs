@@ -1,4 +1,4 @@
-//! Values of a case with their source position and key path.
+//! Values of a case, each with its position in the text of the case and its key path, such as `soft.hertz`.
 
 use super::source::Origin;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -18,12 +18,12 @@ pub struct Located<T> {
     pub path: String,
 }
 
-/// Name that [`Located`] passes to the deserializer as the name of a tuple struct. For a struct of this name the
-/// deserializer returns the place of a value and then the value.
+/// Name by which the deserializer (code that gives the values of a case to the types) recognises a [`Located`]. For
+/// this name it gives the source position of a value and then the value.
 pub(super) const LOCATED: &str = "$located";
 
-/// Name that [`Place`] passes to the deserializer as the name of a unit struct. `Place` is the only unit struct in a
-/// case, and the deserializer returns its four fields.
+/// Name under which [`Place`] asks the deserializer (code that gives the values of a case to the types) for its four
+/// fields. It is the only type in a case that asks as a unit struct (a struct without fields).
 const PLACE: &str = "$place";
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Located<T> {

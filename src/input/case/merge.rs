@@ -1,4 +1,5 @@
-//! Merges trees of values: a value from a later source replaces the value of the same key from an earlier one.
+//! Merges trees of values: a value from a later source, such as an argument `--set`, replaces the value of the same
+//! key from an earlier source, such as the case file.
 
 use super::rules::alternatives;
 use super::source::Origin;

@@ -63,7 +63,7 @@ pub type Checked = (Experiment, Vec<Diagnostic>);
 
 /// Case that has been read, with the changes of the command line. Only the syntax of the case has been checked.
 pub struct Case {
-    /// Path of the case as given by the user.
+    /// Path of the case as the user typed it.
     pub path: PathBuf,
     /// Title: first paragraph of the comment at the beginning of the file, or the name of a file without such a
     /// comment. The changes of the command line follow.
@@ -256,7 +256,8 @@ impl Case {
         matches!(self.tree.get("compare").map(|node| &node.value), Some(Value::Array(items)) if !items.is_empty())
     }
 
-    /// Checks that a variant that is a reference exists and has no reference of its own.
+    /// Checks that the reference of a variant (the variant `name`, with which it is compared) exists and is not itself
+    /// compared with another variant.
     fn check_reference(&self, (name, origin): (&str, &Origin), variants: &[Checked]) -> Result<(), Diagnostic> {
         let error = |message: String, help: String| Err(self.sources.error(origin, message).help(help));
         match variants.iter().find(|(experiment, _)| experiment.name == name) {
@@ -282,8 +283,8 @@ impl Case {
         self.merged_with(self.sources.clone(), tree, changes)
     }
 
-    /// Applies changes to the tree of a case, and then inserts its sets of values. `sources` contains the texts of the
-    /// changes.
+    /// Applies changes to the tree of a case, and then inserts the sets of values that the case names with `use`.
+    /// `sources` contains the texts of the changes.
     fn merged_with(
         &self,
         mut sources: Sources,

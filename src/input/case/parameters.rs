@@ -9,7 +9,7 @@ use crate::walls::{Hollow, Wall};
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-/// Number of points at which the gas velocity is listed.
+/// Number of heights y at which the velocity of the gas is listed.
 const PROFILE_POINTS: usize = 41;
 
 /// All parameters of an experiment in SI units, under the names of the keys of a case.
@@ -72,8 +72,8 @@ fn outlet(outlet: &Outlet) -> Value {
     json!({ "name": outlet.name, key: shape })
 }
 
-/// Shape of a hollow body (block or cylinder of an inlet or outlet) as JSON. Its sides are left out, because they
-/// follow from the shape.
+/// Shape of a hollow body (block or cylinder of an inlet or outlet) as JSON. The surfaces that bound the body are left
+/// out, because they follow from its shape.
 fn room(body: &Hollow) -> Value {
     json!(body)["room"].take()
 }
@@ -137,8 +137,8 @@ fn surface(surface: &Surface) -> Value {
     value
 }
 
-/// Adds to `value` the coefficients of rolling and twisting friction of a wall or a pair that differ from those of the
-/// law.
+/// Adds to `value` the coefficients of rolling and twisting friction that a wall or a pair has in place of those of
+/// all contacts.
 fn add_resistance(value: &mut Value, own: &ResistanceFriction) {
     for (key, friction) in [("rolling_friction", own.rolling), ("twisting_friction", own.twisting)] {
         if let Some(friction) = friction {
@@ -235,7 +235,7 @@ pub(super) fn bulk_velocity(fluid: &Fluid, height: f64) -> f64 {
     (0..STRIPS).map(|i| fluid.profile.velocity((i as f64 + 0.5) * strip)).sum::<f64>() / STRIPS as f64
 }
 
-/// [-] volume of all particles at the start over the volume of the box.
+/// [-] volume of all particles at the start, divided by the volume of the box.
 pub(super) fn volume_fraction(experiment: &Experiment, scene: &Scene) -> f64 {
     let volumes = experiment.start.iter().filter_map(|population| {
         let species = scene.species.get(usize::from(population.species))?;

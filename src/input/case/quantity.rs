@@ -18,7 +18,7 @@ pub(super) const UNIT: &str = "x-unit";
 /// Exponents of metre, kilogram and second in a dimension.
 pub type Exponents = [i8; 3];
 
-/// Finite number [SI] with the dimension m^M kg^K s^S.
+/// Finite number in SI units. Its dimension is m^M kg^K s^S, with the exponents M, K and S.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity<const M: i8, const K: i8, const S: i8>(pub f64);
 

@@ -1,5 +1,6 @@
 //! Rules for keys, which the types in [`file`](mod@super::file) declare: required keys, keys that exclude each other,
-//! ranges of numbers. This module reads the rules from the schema, so that each rule is declared only with its key.
+//! ranges of numbers. This module reads the rules from the JSON schema of these types, so that each rule is declared
+//! only with its key.
 
 use super::diagnostic::Diagnostic;
 use super::keys::{inner, is_choice, properties, root};
@@ -10,9 +11,9 @@ use serde_json::Value as Schema;
 /// Attribute of a key with the name of a group within the table. At most one key of a group may be given.
 const GROUP: &str = "x-one-of";
 
-/// Attribute of a key with the condition, in words, under which the key is required. The conditions `always` and `or
-/// ...` (or another key of the group) are checked in this file. Other conditions are checked by the code that resolves
-/// the key.
+/// Attribute of a key with the condition, in words, under which the key is required. The conditions `always` and
+/// `or ...` (or another key of the group) are checked in this file. Other conditions are checked by the code that
+/// turns the case into an experiment.
 const REQUIRED: &str = "x-required";
 
 /// Attribute of a key with the allowed range of its numbers, in the same words as in messages.
@@ -30,14 +31,14 @@ pub(super) struct KeyGroup<'a> {
 pub(super) struct MissingKey<'a> {
     /// Path of the missing key, such as `run.duration`.
     pub path: String,
-    /// Keys of the same table that could be given instead.
+    /// Keys of the same table that could be given instead of the missing key.
     pub alternatives: Vec<&'static str>,
     /// Source position of the table that lacks the key; `None` if the whole case lacks it.
     pub table: Option<&'a Origin>,
 }
 
-/// Groups of keys that exclude each other in the table with the schema `table`. A group is either all laws of a choice,
-/// or all keys with a common group name.
+/// Groups of keys that exclude each other in the table with the schema `table`. If the table is a choice between laws,
+/// all its keys are one group. Otherwise keys with the same name of a group belong together.
 pub(super) fn groups(table: &Schema) -> Vec<KeyGroup<'_>> {
     if is_choice(table) {
         return vec![KeyGroup { keys: properties(table).map(|(key, _)| key.as_str()).collect(), required: false }];
@@ -69,7 +70,7 @@ pub(super) fn range(path: &str) -> Option<&'static str> {
     words(schema_at(key)?, RANGE)
 }
 
-/// True if a number is within a range given in words.
+/// True if a number is within a range given in words, such as "greater than 0, up to 10".
 pub(super) fn is_within(range: &str, number: f64) -> bool {
     limits(range).iter().all(|(kind, limit)| {
         let limit = limit.as_f64().unwrap_or(f64::NAN);
@@ -195,7 +196,7 @@ fn list(keys: &[&str]) -> String {
     }
 }
 
-/// Limits of a range that is given in words, as entries of a JSON schema such as `minimum`.
+/// Limits of a range that is given in words, such as "0 ..= 1", as entries of a JSON schema such as `minimum`.
 pub(super) fn limits(words: &str) -> Vec<(&'static str, Schema)> {
     if let Some((low, high)) = words.split_once("..=") {
         return [("minimum", low), ("maximum", high)]

@@ -50,7 +50,7 @@ pub fn box_lines(domain: &Domain) -> Vec<(&'static str, String)> {
     lines.chain(domain.offset().map(|offset| ("image_offset_m", format!("{offset:?}")))).collect()
 }
 
-/// Checksum of the text of a case, by which different cases are distinguished.
+/// Checksum of a text, such as that of a case: different texts have different checksums, except by a rare chance.
 pub fn fingerprint(text: &str) -> u64 {
     checksum(text)
 }

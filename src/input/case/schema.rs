@@ -36,8 +36,8 @@ pub fn add_limits(schema: &mut Value) {
     add_exclusions(schema);
 }
 
-/// Adds to the schema of every table the condition that at most one key of each group is present. The schema of a
-/// choice between laws already contains this condition.
+/// Adds to the schema of every table the condition that at most one key of each group (keys that exclude each other)
+/// is present. The schema of a choice between laws already contains this condition.
 fn add_exclusions(schema: &mut Value) {
     let groups = if is_choice(schema) { Vec::new() } else { groups(schema) };
     let groups: Vec<Vec<String>> =

@@ -21,7 +21,7 @@ pub struct SweepAxis {
 }
 
 impl SweepAxis {
-    /// Last part of the key, used as its name in sentences.
+    /// Last part of the key, used as its name in sentences: `restitution` for `contact.restitution`.
     pub fn name(&self) -> &str {
         self.key.rsplit('.').next().unwrap_or(&self.key)
     }

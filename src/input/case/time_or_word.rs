@@ -1,4 +1,4 @@
-//! Keys whose value is a time, or one fixed word instead.
+//! Keys whose value is a time or, in place of a time, one fixed word such as `"auto"`.
 
 use super::quantity::{self, QUANTITY, UNIT};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};

@@ -33,11 +33,12 @@ const LEFT_ASIDE: [&str; 20] = [
     "trace_obj",
     "vc",
 ];
-/// [-] distance of a corner from the plane of its polygon, over the length of the polygon (largest distance of a corner
-/// from its first corner), above which a warning is given.
+/// [-] distance of a corner from the plane of its polygon, divided by the length of the polygon (largest distance of a
+/// corner from its first corner), above which a warning is given.
 const FLAT: f64 = 0.01;
 
-/// Polygon of an OBJ file: the number of its line, and the range of its corners in `Reading::named`.
+/// Polygon of an OBJ file: the number of its line, and the range of its corners in the list of the corners of all
+/// polygons (`Reading::named`).
 struct Polygon {
     line: usize,
     corners: Range<usize>,

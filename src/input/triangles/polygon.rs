@@ -5,8 +5,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-/// [-] smallest sine of the angle by which a polygon turns at a corner, if it is divided as a fan (all triangles share
-/// its first corner). With smaller angles, triangles would be so thin that the surface ignores them.
+/// [-] smallest sine of the angle by which the boundary of a polygon turns at each corner, for a division as a fan
+/// (all triangles share the first corner). With smaller angles, triangles would be so thin that the surface ignores
+/// them.
 const TURN: f64 = 1e-6;
 /// [-] relative error of an area that counts as rounding.
 const ROUNDING: f64 = 1e-9;
@@ -17,8 +18,8 @@ pub struct Cut {
     /// Triangles, each given by the indices of three corners of the polygon. The corners of a triangle follow one
     /// another in the same sense of rotation as those of the polygon.
     pub triangles: Vec<[usize; 3]>,
-    /// [-] largest distance of a corner from the plane of the polygon, over the length of the polygon. The length is
-    /// the largest distance of a corner from the first corner.
+    /// [-] largest distance of a corner from the plane of the polygon, divided by the length of the polygon. The
+    /// length is the largest distance of a corner from the first corner.
     pub off: f64,
 }
 

@@ -8,8 +8,8 @@ use super::words::Words;
 use super::{Heap, MOST_TRIANGLES, TriangleFile, too_many, wrong};
 use nalgebra::Vector3;
 
-/// [byte] length of the head of a binary file; the number of triangles is at its end. The next constant is the length
-/// of one triangle.
+/// [byte] length of the head of a binary file; the number of triangles is at its end. `TRIANGLE` is the length of one
+/// triangle.
 const HEAD: usize = 84;
 const TRIANGLE: usize = 50;
 /// Number of significant decimal digits that distinguish all numbers in single precision.

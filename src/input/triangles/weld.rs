@@ -1,19 +1,19 @@
-//! Merges corners of triangles that differ only by the rounding in their file.
+//! Merges corners of triangles that differ only because the numbers in a file are rounded.
 
 use super::Heap;
 use nalgebra::Vector3;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// [-] possible error of a coordinate, over the rounding error of the largest coordinate in single precision. The error
-/// comes from a few arithmetic operations of the program that wrote the file.
+/// [-] possible error of a coordinate, divided by the rounding error of the largest coordinate in single precision.
+/// The error comes from a few arithmetic operations of the program that wrote the file.
 const ROUNDINGS: f64 = 4.0;
-/// Smallest number of significant digits with which programs write single precision (`%g`). Numbers with fewer digits
-/// are taken as exact.
+/// Smallest number of significant digits with which programs write single precision (six, by the format `%g` of C).
+/// Numbers with fewer digits are taken as exact.
 const FEWEST: usize = 6;
 /// [-] factor on the largest distance of merged corners, because the computed distance is rounded too.
 const SLACK: f64 = 1.01;
-/// [-] edge length of the cells of the neighbour search, over the largest distance of merged corners. With cells of
-/// this size, only one cell must be searched for most points.
+/// [-] edge length of the cells of the neighbour search, divided by the largest distance of merged corners. With cells
+/// of this size, only one cell must be searched for most points.
 const CELL: f64 = 8.0;
 
 /// Replaces each corner by an earlier corner that differs only by rounding, and returns the number of replaced

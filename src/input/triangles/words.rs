@@ -1,7 +1,7 @@
 //! Splits a text into words with their line numbers. The text may have any encoding, because mesh files may contain
 //! names in any encoding.
 
-/// Word of a text, with its line.
+/// Word of a text, with the number of its line.
 #[derive(Clone, Copy, Debug)]
 pub struct Word<'a> {
     /// Bytes of the word.

@@ -1,12 +1,13 @@
-//! Parts of a report about the budgets of the second moments of velocity: the rates at which impacts, drag and other
-//! effects change them.
+//! Parts of a report about the budgets of the second moments of velocity (means of products of two fluctuations): the
+//! rates at which impacts, drag and other effects change these moments.
 
 use crate::observe::{Budgets, MOMENTS, Terms};
 use crate::output::document::Block;
 use crate::output::numbers::with_error;
 use crate::statistics::Estimate;
 
-/// Sentences on the budgets of a run: the terms of each moment, averaged over all particles, and the part of walls.
+/// Sentences on the budgets of a run: the terms of each second moment of velocity, averaged over all particles, and
+/// the contributions of impacts on walls.
 pub fn budget_sentences(budgets: &Budgets) -> Vec<String> {
     let term = |term: &Estimate| with_error(*term);
     let sentence = |(&(name, ..), terms): (&(&str, usize, usize), &Terms<Estimate>)| {
@@ -27,7 +28,8 @@ pub fn budget_sentences(budgets: &Budgets) -> Vec<String> {
     MOMENTS.iter().zip(&budgets.whole).map(sentence).chain([walls]).collect()
 }
 
-/// Section with the budgets, whose pictures are `pictures`. The list is empty if the user did not ask for budgets.
+/// Section about the budgets of the second moments of velocity; `pictures` makes its pictures. The list is empty if
+/// the user did not ask for budgets.
 pub(super) fn blocks(budgets: Option<&Budgets>, pictures: impl FnOnce() -> Vec<Block>) -> Vec<Block> {
     let Some(budgets) = budgets else { return Vec::new() };
     let mut blocks = vec![Block::heading("Budgets of the second moments"), Block::List(budget_sentences(budgets))];

@@ -14,7 +14,8 @@ use serde_json::{Value, json};
 /// Names of the components of a stress, in the order of [`Stress`](crate::observe::Stress).
 const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
 
-/// Table of the stress with its kinetic and contact parts, and of the contacts per particle.
+/// Table of the stress, and of the contacts per particle. The kinetic part of the stress comes from the motion of the
+/// particles, the contact part from the forces between them.
 pub(super) fn blocks(outcomes: &[Outcome]) -> Vec<Block> {
     let head = "variant | kinetic xx, yy, zz [Pa] | contact xx, yy, zz [Pa] | pressure [Pa] | pressure over its kinetic part | contacts per particle | volume fraction of a slice, least to most";
     let cells = |outcome: &Outcome| {
@@ -68,9 +69,9 @@ pub(super) fn json(outcome: &Outcome) -> Value {
     })
 }
 
-/// Contents of `stress.csv`: kinetic and contact part of each component of the stress [Pa], averaged over the volume of
-/// the box and the averaging period, and the pressure. Compression is positive. Columns with `_se` contain one standard
-/// error.
+/// Contents of `stress.csv`: kinetic and contact part of each component of the stress [Pa], averaged over the volume
+/// of the box and the averaging period, and the pressure. The kinetic part comes from the motion of the particles, the
+/// contact part from the forces between them. Compression is positive. Columns with `_se` contain one standard error.
 ///
 /// # Errors
 /// [`OutputError::Csv`] if a row cannot be encoded.

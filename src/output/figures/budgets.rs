@@ -1,5 +1,5 @@
-//! Figure of the budgets of the second moments of velocity across the channel. The terms of a budget are the rates at
-//! which processes, such as drag or impacts, change the moment.
+//! Figure of the budgets of the second moments of velocity (means of products of two fluctuations) across the channel.
+//! The terms of a budget are the rates at which processes, such as drag or impacts, change the moment.
 
 use super::chart;
 use crate::observe::{Budgets, MOMENTS, Terms};

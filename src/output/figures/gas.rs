@@ -30,7 +30,8 @@ const POINTS: usize = 400;
 const GASES_POINTS: usize = 120;
 
 /// Figures of the profile of the gas velocity between walls at y = 0 and y = `height` [m]. For a channel that is
-/// computed by a k-epsilon model, there is a second figure in wall units.
+/// computed by a k-epsilon model, there is a second figure in wall units. These are ν/u_τ for distances and u_τ for
+/// velocities, with the kinematic viscosity ν and the friction velocity u_τ.
 pub fn gas(profile: &Profile, height: f64) -> Vec<Figure> {
     let mut figures = vec![Figure::new(
         "velocity",

@@ -106,9 +106,10 @@ pub fn first_overlap(outcomes: &[Outcome]) -> String {
     views(outcomes, &[density, share])
 }
 
-/// Picture of the mean overlaps of all experiments with soft spheres, divided by κ_n and the diameter, as a function of
-/// the overlap number κ_n. Lines show kinetic theory. One panel is for pairs of particles, one for walls. A panel with
-/// fewer than two experiments is left out; `None` if no panel remains.
+/// Picture of the mean overlaps of all experiments with soft spheres, divided by κ_n and the diameter, as a function
+/// of the overlap number κ_n. By kinetic theory κ_n is the time average of the overlap over the diameter. Lines show
+/// this theory. One panel is for pairs of particles, one for walls. A panel with fewer than two experiments is left
+/// out; `None` if no panel remains.
 pub fn mean_overlap(outcomes: &[Outcome]) -> Option<String> {
     let panel = |title: &str, wall: bool| {
         let known: Vec<(f64, &Impacts)> = outcomes

@@ -22,8 +22,8 @@ const POINTS: usize = 600;
 /// the axis of the temperature is logarithmic.
 const DECAY: f64 = 20.0;
 
-/// [-] smallest ratio of the largest mean velocity to the settling velocity with which the settling velocity is drawn.
-/// At lower velocities the settling velocity would lie far outside the curves.
+/// [-] largest mean velocity, divided by the settling velocity, from which on a line at the settling velocity is
+/// drawn. At lower mean velocities this line would lie far outside the curves.
 const NEAR: f64 = 0.1;
 
 /// [-] ratio of the mean velocity to the velocity fluctuations. Below this ratio, the mean velocity counts as a
@@ -231,9 +231,9 @@ fn theories<T: PartialEq>(group: &PanelGroup, of: impl Fn(&Outcome) -> Option<T>
 /// Theory of the motion of single particles.
 #[derive(PartialEq)]
 enum PathTheory {
-    /// One sphere that bounces.
+    /// Theory of one sphere that bounces.
     Bouncing(Bouncing),
-    /// Equal spheres in a row.
+    /// Theory of equal spheres in a row.
     Chain(Chain),
 }
 

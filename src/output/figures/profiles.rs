@@ -133,8 +133,9 @@ pub(super) fn gas_velocity(profile: &Profile, length: f64) -> Panel {
     height.panel("U  [m/s]", vec![line])
 }
 
-/// Pictures of the six second moments of velocity, with a panel per moment. Each entry of the list belongs to a group
-/// of variants (experiments of a case): the title of the group, and its picture.
+/// Pictures of the six second moments of velocity (means of products of two fluctuations), with a panel per moment.
+/// Each entry of the list belongs to a group of variants (experiments of a case): the title of the group, and its
+/// picture.
 pub fn second_moments(outcomes: &[Outcome]) -> Vec<(String, String)> {
     panels(&groups(outcomes), &Height::of(outcomes), statistics::second_moments())
 }

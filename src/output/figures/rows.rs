@@ -15,7 +15,7 @@ const ROW: f64 = 18.0;
 const DOT: f64 = 7.0;
 /// [px] height of the axis, its label and the legend together.
 const REST: f64 = 130.0;
-/// Number of decades (powers of ten) by which the axis extends to the left of the vertical line.
+/// Number of decades (powers of ten) by which the axis extends to the left of the vertical line at the value `mark`.
 const DECADES: f64 = 2.0;
 
 /// Point in a row of a picture with rows of points.
@@ -39,7 +39,7 @@ pub struct RowsFigure {
     pub series: Vec<String>,
     /// Names of the rows with their points; the first row is at the top.
     pub rows: Vec<(String, Vec<Dot>)>,
-    /// [units of the axis] value at which a vertical line is drawn.
+    /// [units of the axis] value at which a vertical line is drawn, such as the largest accepted difference.
     pub mark: f64,
 }
 

@@ -63,8 +63,8 @@ struct RecordingFrame {
     /// [m/s²] acceleration by gravity, with which the script draws curved paths between the recorded instants; 0 in a
     /// gas.
     gravity: Vector3<f64>,
-    /// [m/s] mean initial velocity along each periodic axis. A component is 0 unless it is larger than the velocity
-    /// fluctuations. The view of the animation may move with this velocity.
+    /// [m/s] mean initial velocity along each periodic axis. A component is 0 unless it exceeds three times the
+    /// velocity fluctuations. The view of the animation may move with this velocity.
     drift: Vector3<f64>,
     /// Names of the species.
     names: Vec<String>,

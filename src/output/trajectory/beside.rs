@@ -3,8 +3,8 @@
 use super::Vtp;
 use crate::observe::ContactLine;
 
-/// File that a frame (instant of a trajectory) has in addition to the file of its particles. The discriminant, such as
-/// `Walls = 1`, is the part number of the file in the index for ParaView.
+/// File that a frame (instant of a trajectory) has in addition to the file of its particles. The number of each kind,
+/// such as 1 for `Walls`, is the part number of the file in the index for ParaView.
 #[derive(Clone, Copy)]
 pub(super) enum Beside {
     /// Surfaces of the walls at one instant, if walls move.

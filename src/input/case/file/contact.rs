@@ -1,4 +1,4 @@
-//! Contacts between particles, and pairs with contact properties of their own.
+//! Keys of contacts: table `[contact]`, and `[[contact.pairs]]` for pairs with contact properties of their own.
 
 use super::RestitutionFile;
 use crate::case::located::Located;
@@ -27,7 +27,7 @@ pub struct ContactFile {
     pub pairs: Option<Vec<Located<PairFile>>>,
 }
 
-/// Table `[[contact.pairs]]`: contact of two kinds.
+/// Table `[[contact.pairs]]`: contacts between two kinds of particles, or between particles and a wall.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PairFile {

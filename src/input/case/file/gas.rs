@@ -19,12 +19,12 @@ pub struct FluidFile {
     #[schemars(example = &"1.515e-5 m^2/s")]
     #[schemars(extend("x-required" = "always", "x-range" = "1e-8 ..= 1e-2 m^2/s"))]
     pub kinematic_viscosity: Option<Located<KinematicViscosity>>,
-    /// False: leaves out buoyancy, the force -ρ_f V g of the gas on a particle of volume V. Without gravity the key has
-    /// no effect.
+    /// False: leaves out buoyancy, the force -ρ_f V g of the gas of density ρ_f on a particle of volume V (g:
+    /// gravity). Without gravity the key has no effect.
     #[schemars(example = false, extend("default" = true))]
     pub buoyancy: Option<Located<bool>>,
-    /// True: adds the added mass ρ_f V/2, the inertia of the gas that a particle of volume V accelerates. Masses,
-    /// momenta and energies in results then include the added mass.
+    /// True: adds the added mass ρ_f V/2, the inertia of the gas of density ρ_f that a particle of volume V
+    /// accelerates. Masses, momenta and energies in results then include the added mass.
     #[schemars(example = true, extend("default" = false))]
     pub added_mass: Option<Located<bool>>,
     /// Turbulence that particles see in addition to the mean velocity of the gas. Without this table they see the mean
@@ -35,7 +35,7 @@ pub struct FluidFile {
     /// Two-way coupling: the gas loses the momentum that it gives to the particles. Without this table the particles do
     /// not change the gas.
     pub coupling: Option<Located<CouplingFile>>,
-    /// Velocity of the gas along z, usually as a function of y. Give exactly one of the tables below.
+    /// Velocity of the gas along z, usually as a function of y. Give exactly one table within this table.
     #[schemars(extend("x-required" = "always"))]
     pub profile: Option<Located<ProfileFile>>,
 }
@@ -44,10 +44,10 @@ pub struct FluidFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SeenTurbulenceFile {
-    /// Turbulent kinetic energy, k, in a `uniform` gas, whose velocity profile does not give k.
+    /// Turbulent kinetic energy, k, in a gas whose velocity is equal everywhere (`uniform`) and does not give k.
     #[schemars(example = &"0.5 m^2/s^2", extend("x-range" = "greater than 0, up to 1e6 m^2/s^2"))]
     pub kinetic_energy: Option<Located<SpecificEnergy>>,
-    /// Dissipation rate of the turbulent kinetic energy, ε, in a `uniform` gas.
+    /// Dissipation rate ε of the turbulent kinetic energy, in a gas whose velocity is equal everywhere (`uniform`).
     #[schemars(example = &"10 m^2/s^3", extend("x-range" = "greater than 0, up to 1e12 m^2/s^3"))]
     pub dissipation_rate: Option<Located<DissipationRate>>,
     /// Langevin equation for the gas velocity along the path of each particle.
@@ -59,17 +59,19 @@ pub struct SeenTurbulenceFile {
     pub eddy: Option<Located<LangevinFile>>,
 }
 
-/// Tables `[fluid.turbulence.langevin]` and `[fluid.turbulence.eddy]`: constants of the law. T_L is the integral time
-/// of the gas (`langevin`), or the mean lifetime of an eddy without slip (`eddy`).
+/// Tables `[fluid.turbulence.langevin]` and `[fluid.turbulence.eddy]`: constants of the law. For `langevin`, T_L is
+/// the time during which the gas velocity along a path stays correlated. For `eddy` it is the mean lifetime of an eddy
+/// without slip.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LangevinFile {
-    /// Kolmogorov constant C_0, which sets the Lagrangian time T_L = (k/ε)/(1/2 + 3/4 C_0).
+    /// Kolmogorov constant C_0, which sets the time T_L = (k/ε)/(1/2 + 3/4 C_0) from the turbulent kinetic energy k
+    /// and its dissipation rate ε.
     #[schemars(example = 5, extend("default" = 2.1, "x-range" = "0 ..= 20"))]
     pub kolmogorov_constant: Option<Located<Ratio>>,
-    /// Ratio β = T_L/T_E of the Lagrangian integral time of the gas to its integral time at a point that moves with
-    /// the mean flow. A particle that slips through eddies sees each of them for a shorter time; with 0 this effect is
-    /// left out.
+    /// Ratio β = T_L/T_E of two integral times (times of correlation) of the gas velocity: T_L along the path of the
+    /// gas, and T_E at a point that moves with the mean flow. A particle that slips through eddies sees each of them
+    /// for a shorter time; with 0 this effect is left out.
     #[schemars(example = 0.8, extend("x-default" = "0.671, so that β² = 0.45", "x-range" = "0 ..= 10"))]
     pub time_scale_ratio: Option<Located<Ratio>>,
 }
@@ -111,10 +113,11 @@ pub struct CouplingFile {
 pub enum ModulationFile {
     /// No effect on the turbulence beyond that of the mean velocity.
     None,
-    /// Damping of k and ε by the slip between the fluctuations of the particles and of the gas, after Simonin (1996).
+    /// Damping of k (turbulent kinetic energy) and ε (its dissipation rate) by the slip between the fluctuations of
+    /// the particles and of the gas, after Simonin (1996).
     Simonin,
-    /// Production of k by the mean slip, and a length of dissipation limited by the distance between particles, after
-    /// Crowe (2000).
+    /// Production of k (turbulent kinetic energy) by the mean slip, and a length of dissipation limited by the
+    /// distance between particles, after Crowe (2000).
     Crowe,
 }
 
@@ -182,10 +185,10 @@ pub enum ProfileFile {
         #[schemars(example = &"gas.csv", extend("x-required" = "always"))]
         file: Option<Located<String>>,
     },
-    /// Fully developed turbulent channel flow between y = 0 and y = L_y, from a k-ε model.
+    /// Fully developed turbulent channel flow between y = 0 and y = L_y (height of the box), from a k-ε model.
     KEpsilonChannel {
-        /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν. The given range is that of
-        /// `wall_functions`; `launder_sharma` accepts values from 6000 on.
+        /// Reynolds number U_b L_y/ν, with the bulk velocity U_b, the full width L_y and the kinematic viscosity ν.
+        /// The given range is that of `wall_functions`; `launder_sharma` accepts values from 6000 on.
         #[schemars(example = 42000)]
         #[schemars(extend("x-required" = "always", "x-range" = "10000 ..= 1e8", "minimum" = 6000))]
         reynolds_number: Option<Located<Ratio>>,
@@ -196,7 +199,7 @@ pub enum ProfileFile {
     /// Fully developed turbulent flow along z through a round pipe, from the low-Reynolds-number k-ε model of Launder
     /// and Sharma. Outside the pipe the gas is at rest. The wall itself is a `[[walls]]` table with a `cylinder`.
     KEpsilonPipe {
-        /// Reynolds number of the bulk velocity and the diameter, U_b D/ν.
+        /// Reynolds number U_b D/ν, with the bulk velocity U_b, the diameter D and the kinematic viscosity ν.
         #[schemars(example = 42000)]
         #[schemars(extend("x-required" = "always", "x-range" = "6000 ..= 1e8"))]
         reynolds_number: Option<Located<Ratio>>,
@@ -207,22 +210,23 @@ pub enum ProfileFile {
         #[schemars(extend("examples" = [["20 mm", "20 mm"]], "x-default" = "the middle of the box"))]
         center: Option<Located<[Located<Length>; 2]>>,
     },
-    /// The logarithmic law of the wall between y = 0 and y = L_y. Give exactly one of `friction_velocity` and
-    /// `reynolds_number`.
+    /// The logarithmic law of the wall between y = 0 and y = L_y (height of the box). Give exactly one of
+    /// `friction_velocity` and `reynolds_number`.
     LogLaw {
-        /// Friction velocity, u_τ.
+        /// Friction velocity u_τ = sqrt(τ_w/ρ_f), with the shear stress τ_w at the wall and the density ρ_f of the
+        /// gas.
         #[schemars(example = &"0.80 m/s")]
         #[schemars(extend("x-required" = "or `reynolds_number`", "x-one-of" = "flow rate"))]
         #[schemars(extend("x-range" = "greater than 0, up to 1e3 m/s"))]
         friction_velocity: Option<Located<Speed>>,
-        /// Reynolds number of the bulk velocity and the full width, U_b L_y/ν. The friction velocity follows from this
-        /// number.
+        /// Reynolds number U_b L_y/ν, with the bulk velocity U_b, the full width L_y and the kinematic viscosity ν.
+        /// The friction velocity follows from this number.
         #[schemars(example = 42000, extend("x-range" = "6000 ..= 1e8", "x-one-of" = "flow rate"))]
         reynolds_number: Option<Located<Ratio>>,
         /// Von Kármán's constant κ of the logarithmic law.
         #[schemars(example = 0.4, extend("default" = 0.41, "x-range" = "0.2 ..= 0.8"))]
         von_karman: Option<Located<Ratio>>,
-        /// Additive constant B of the logarithmic law, for the velocity over u_τ.
+        /// Additive constant B of the logarithmic law, in which the velocity is divided by the friction velocity u_τ.
         #[schemars(example = 5.2, extend("default" = 5.0, "x-range" = "-10 ..= 20"))]
         intercept: Option<Located<Ratio>>,
     },

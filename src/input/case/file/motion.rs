@@ -1,4 +1,4 @@
-//! Table of a wall whose shape moves.
+//! Keys of a wall whose shape moves: table `[walls.motion]` of a case.
 
 use super::Three;
 use crate::case::located::Located;
@@ -40,10 +40,11 @@ pub struct ServoFile {
     /// Wanted pressure p of the particles on the plane.
     #[schemars(example = &"1 kPa", extend("x-required" = "always", "x-range" = "greater than 0, up to 1e12 Pa"))]
     pub pressure: Option<Located<Pressure>>,
-    /// Largest speed of the plane. A plane without contacts moves at p/c, if this is less.
+    /// Largest speed of the plane. A plane without contacts moves at p/c (wanted pressure over damping), if this is
+    /// less.
     #[schemars(example = &"50 mm/s", extend("x-required" = "always", "x-range" = "greater than 0, up to 1e5 m/s"))]
     pub largest_speed: Option<Located<Speed>>,
-    /// Damping c of the plane.
+    /// Damping c of the plane: its speed is the missing pressure over c.
     #[schemars(example = &"500 Pa s/m", extend("x-range" = "greater than 0, up to 1e15 Pa s/m"))]
     #[schemars(extend("x-default" = "π m/(t_c d²) with the mass, the diameter and the contact time of a sphere"))]
     pub damping: Option<Located<PressurePerSpeed>>,
@@ -53,7 +54,8 @@ pub struct ServoFile {
     pub area: Option<Located<Area>>,
 }
 
-/// Table `[walls.motion.vibration]`: displacement A sin(2π f t + φ).
+/// Table `[walls.motion.vibration]`: displacement A sin(2π f t + φ) at the time t, with amplitude A, frequency f and
+/// phase φ.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VibrationFile {

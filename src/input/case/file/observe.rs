@@ -1,12 +1,13 @@
-//! Tables of the measurements in addition to the standard ones.
+//! Keys of the measurements in addition to the standard ones: tables `[observe.*]` of a case.
 
 use super::{Located, Three};
 use crate::case::quantity::{Length, Ratio, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Table `[observe]`: measurements in addition to the standard ones. Each is a table, which may be empty where no key
-/// is required. Results are in the report, in a CSV file with the name of the table, and in `observables.csv`.
+/// Table `[observe]`: measurements in addition to the standard ones. Each measurement is a table in this table, and
+/// may be empty if none of its keys is required. Results are in the report, in a CSV file with the name of the table,
+/// and in `observables.csv`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObserveFile {
@@ -37,10 +38,10 @@ pub struct ObserveFile {
 #[serde(deny_unknown_fields)]
 pub struct PairDistributionFile {
     /// Largest distance of two centres that is counted, at most half the shortest edge of the box. The computing time
-    /// of a sample grows with the third power of this distance.
+    /// of a sample (instant of measurement) grows with the third power of this distance.
     #[schemars(example = &"2 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
     pub reach: Option<Located<Length>>,
-    /// Number of bins of the distance, between 0 and `reach`.
+    /// Number of bins of the distance of two centres, between 0 and `reach`.
     #[schemars(example = 200, extend("default" = 100, "x-range" = "1 ..= 10000"))]
     pub bins: Option<Located<i64>>,
 }
@@ -53,18 +54,18 @@ pub struct VelocityDistributionFile {
     /// Largest speed of the histogram in units of sqrt(2T), with the granular temperature T [m²/s²].
     #[schemars(example = 6, extend("default" = 4, "x-range" = "0.1 ..= 100"))]
     pub largest_speed: Option<Located<Ratio>>,
-    /// Number of bins of the histogram.
+    /// Number of bins of the histogram of the velocities.
     #[schemars(example = 100, extend("default" = 40, "x-range" = "1 ..= 10000"))]
     pub bins: Option<Located<i64>>,
 }
 
-/// Table `[observe.diffusion]`: motion of the particles during a time `duration`. Such times follow each other without
-/// overlap.
+/// Table `[observe.diffusion]`: motion of the particles during intervals of the length `duration`, which follow each
+/// other without overlap.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiffusionFile {
-    /// Longest time over which the motion is followed: at least ten times `statistics.sample_interval`. Standard errors
-    /// need eight such times in the averaging period.
+    /// Longest time over which the motion is followed: at least ten times `statistics.sample_interval`. Standard
+    /// errors need an averaging period of at least eight times this `duration`.
     #[schemars(example = &"5 ms", extend("x-required" = "always", "x-range" = "greater than 0 s"))]
     pub duration: Option<Located<Time>>,
 }
@@ -112,8 +113,8 @@ pub struct SeenGasFile {}
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ViscosityFile {
-    /// Longest time over which stresses are correlated: at least ten times `statistics.sample_interval`, and some
-    /// twenty mean free times. Give it unless the box is sheared.
+    /// Longest time over which stresses are correlated: at least ten times `statistics.sample_interval`, and about
+    /// twenty mean free times. The key is required unless the box is sheared.
     #[schemars(example = &"1 ms", extend("x-default" = "none, for sheared boxes", "x-range" = "greater than 0 s"))]
     pub duration: Option<Located<Time>>,
 }
@@ -130,15 +131,16 @@ pub struct ClustersFile {
 }
 
 /// Table `[observe.free_surface]`: height of the highest sphere in each column of a layer under gravity, seen from
-/// above. Wavelength and symmetry are those of samples whose contrast (standard deviation of the smoothed heights) is
-/// above the mean.
+/// above. Wavelength and symmetry are averaged over those samples (instants) whose contrast, the standard deviation of
+/// the smoothed heights, is at least the mean contrast.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FreeSurfaceFile {
-    /// Edge length of the columns, about a diameter: a tenth to a five-hundredth of each horizontal edge of the box.
+    /// Edge length of the columns in which the height of the layer is measured, about a diameter: a tenth to a
+    /// five-hundredth of each horizontal edge of the box.
     #[schemars(example = &"1 mm", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e4 m"))]
     pub spacing: Option<Located<Length>>,
-    /// Standard deviation of the Gaussian that smooths the heights.
+    /// Standard deviation of the Gaussian that smooths the heights of the layer.
     #[schemars(example = &"2 mm", extend("x-default" = "2 spacings", "x-range" = "0 ..= 1e4 m"))]
     pub smoothing: Option<Located<Length>>,
 }

@@ -1,4 +1,5 @@
-//! Tables of inlets and outlets.
+//! Keys of inlets and outlets (places where particles come in and leave): tables `[[inlets]]` and `[[outlets]]` of a
+//! case.
 
 use super::{BlockRegionFile, CylinderRegionFile, PlaneFile, Three};
 use crate::case::located::Located;
@@ -6,25 +7,25 @@ use crate::case::quantity::{Length, MassRate, Ratio, Spin, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Side of the box: the axis, with the sign of the direction out of the box.
+/// Side of the box, such as `-y`: the axis, with the sign of the direction out of the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 pub enum OutletSideFile {
-    /// Side at x = 0.
+    /// Side of the box at x = 0.
     #[serde(rename = "-x")]
     LowerX,
-    /// Side at the largest x.
+    /// Side of the box at the largest x.
     #[serde(rename = "+x")]
     UpperX,
-    /// Side at y = 0.
+    /// Side of the box at y = 0.
     #[serde(rename = "-y")]
     LowerY,
-    /// Side at the largest y.
+    /// Side of the box at the largest y.
     #[serde(rename = "+y")]
     UpperY,
-    /// Side at z = 0.
+    /// Side of the box at z = 0.
     #[serde(rename = "-z")]
     LowerZ,
-    /// Side at the largest z.
+    /// Side of the box at the largest z.
     #[serde(rename = "+z")]
     UpperZ,
 }
@@ -44,17 +45,17 @@ pub struct OutletFile {
     /// Outlet behind a plane, whose normal points to the particles that stay.
     #[schemars(extend("x-one-of" = "shape"))]
     pub plane: Option<Located<PlaneFile>>,
-    /// Outlet in the shape of a block with edges along the axes. Particles that fly through the block within one window
-    /// do not leave.
+    /// Outlet in the shape of a block with edges along the axes. Particles that fly through the block within one
+    /// window (time between two drag kicks) do not leave.
     #[serde(rename = "box")]
     #[schemars(extend("x-one-of" = "shape"))]
     pub block: Option<Located<BlockRegionFile>>,
-    /// Outlet in the shape of a cylinder along an axis. Particles that fly through the cylinder within one window do
-    /// not leave.
+    /// Outlet in the shape of a cylinder along an axis. Particles that fly through the cylinder within one window
+    /// (time between two drag kicks) do not leave.
     #[schemars(extend("x-one-of" = "shape"))]
     pub cylinder: Option<Located<CylinderRegionFile>>,
     /// Outlet inside a closed surface of triangles from a file. Particles in cavities of the surface, and those that
-    /// fly through it within one window, do not leave.
+    /// fly through it within one window (time between two drag kicks), do not leave.
     #[schemars(extend("x-one-of" = "shape"))]
     pub mesh: Option<Located<OutletMeshFile>>,
 }
@@ -77,10 +78,11 @@ pub struct OutletMeshFile {
     /// Position, in the box, of the origin of the coordinates in the file.
     #[schemars(extend("examples" = [["10 mm", "0 mm", "10 mm"]], "default" = [0, 0, 0]))]
     pub position: Option<Three<Length>>,
-    /// Axis of the rotation, through the origin of the file: a vector of any length.
+    /// Axis about which the surface is rotated, through the origin of the coordinates in the file: a vector of any
+    /// length.
     #[schemars(extend("examples" = [[1, 0, 0]], "default" = [0, 0, 1]))]
     pub axis: Option<Three<Ratio>>,
-    /// Angle of the rotation, counter-clockwise if the axis points towards the viewer.
+    /// Angle by which the surface is rotated, counter-clockwise if the axis points towards the viewer.
     #[schemars(example = &"90 deg", extend("default" = 0))]
     pub angle: Option<Located<Ratio>>,
 }

@@ -12,7 +12,7 @@ use std::borrow::Cow;
 /// Names of the laws by which the restitution depends on the speed.
 const LAWS: &[&str] = &["bridges", "power", "viscoelastic"];
 
-/// Restitution of a contact.
+/// Restitution of a contact: one number, or a law by which it depends on the speed.
 #[derive(Clone, Debug)]
 pub enum RestitutionFile {
     /// [-] restitution, the same at all speeds.
@@ -25,16 +25,17 @@ pub enum RestitutionFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum RestitutionLawFile {
-    /// Restitution e = min(1, (u/u_c)^-p), measured for ice by Bridges, Hatzes and Lin (1984).
+    /// Restitution e = min(1, (u/u_c)^-p) at the normal speed u, measured for ice by Bridges, Hatzes and Lin (1984).
     Bridges {
         /// Normal speed u_c up to which impacts are elastic.
         #[schemars(example = &"0.077 mm/s", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e5 m/s"))]
         speed: Option<Located<Speed>>,
-        /// Exponent p of the law e = (u/u_c)^-p.
+        /// Exponent p of the law e = (u/u_c)^-p for normal speeds u above u_c.
         #[schemars(example = 0.234, extend("x-required" = "always", "x-range" = "0 ..= 10"))]
         exponent: Option<Located<Ratio>>,
     },
-    /// Restitution e = max(e_min, 1 - (1 - e_1) (u/u_1)^q). Bizon et al. (1998) take q = 0.75 and e_min = e_1.
+    /// Restitution e = max(e_min, 1 - (1 - e_1) (u/u_1)^q) at the normal speed u, with the value e_1 at the speed u_1.
+    /// Bizon et al. (1998) take q = 0.75 and e_min = e_1.
     Power {
         /// Restitution e_1 of an impact at the normal speed u_1.
         #[schemars(example = 0.9, extend("x-required" = "always", "x-range" = "0 ..= 1"))]
@@ -42,7 +43,7 @@ pub enum RestitutionLawFile {
         /// Normal speed u_1 of an impact with the restitution e_1.
         #[schemars(example = &"1 m/s", extend("x-required" = "always", "x-range" = "1e-9 ..= 1e5 m/s"))]
         speed: Option<Located<Speed>>,
-        /// Exponent q of the law e = 1 - (1 - e_1) (u/u_1)^q.
+        /// Exponent q of the law e = 1 - (1 - e_1) (u/u_1)^q, with the value e_1 at the normal speed u_1.
         #[schemars(example = 0.2, extend("x-required" = "always", "x-range" = "greater than 0, up to 10"))]
         exponent: Option<Located<Ratio>>,
         /// Smallest restitution, e_min. The value 0 is only for the models hard and dsmc.
@@ -51,7 +52,7 @@ pub enum RestitutionLawFile {
     },
     /// Restitution of viscoelastic spheres (Ramírez et al. 1999), whose soft law is `[soft.kuwabara_kono]`.
     Viscoelastic {
-        /// Restitution of an impact at the normal speed `speed`.
+        /// Restitution of viscoelastic spheres in an impact at the normal speed `speed`.
         #[schemars(example = 0.9, extend("x-required" = "always", "x-range" = "0.001 ..= 1"))]
         restitution: Option<Located<Ratio>>,
         /// Normal speed of an impact that has the restitution `restitution`.

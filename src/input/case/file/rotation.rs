@@ -1,12 +1,12 @@
-//! Tangential laws of soft contacts, rolling and twisting resistance, and rules of the tangential impulse of hard
-//! impacts.
+//! Keys of friction: tangential laws of soft contacts, rolling and twisting resistance, and rules of the tangential
+//! impulse of hard impacts.
 
 use crate::case::located::Located;
 use crate::case::quantity::{Ratio, Slowness};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Tables `[soft.tangential.*]`: choice of a tangential law.
+/// Tables `[soft.tangential.*]`: choice of a tangential law (law of friction in soft contacts).
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum TangentialFile {
@@ -72,7 +72,7 @@ pub enum RollingFile {
         /// radius R_eff.
         #[schemars(example = 0.01, extend("x-default" = "2.25 μ_r²", "x-range" = "greater than 0, up to 10"))]
         stiffness_ratio: Option<Located<Ratio>>,
-        /// Damping ratio of the rolling spring below its limit; 1 is critical damping.
+        /// Damping ratio of the rolling spring while its torque is below the limit; 1 is critical damping.
         #[schemars(example = 0.1, extend("default" = 0.3, "x-range" = "0 ..= 10"))]
         damping_ratio: Option<Located<Ratio>>,
     },
@@ -102,7 +102,8 @@ pub struct TwistingFile {
     pub damping_ratio: Option<Located<Ratio>>,
 }
 
-/// Tables `[hard.friction.*]`: choice of a rule of the tangential impulse.
+/// Tables `[hard.friction.*]`: choice of a rule of the tangential impulse (change of momentum along the surface in a
+/// hard impact).
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ImpactRuleFile {

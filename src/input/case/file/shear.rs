@@ -1,4 +1,4 @@
-//! Table of a sheared box.
+//! Keys of a sheared box: table `[domain.shear]` of a case.
 
 use super::Located;
 use crate::case::quantity::{Length, Spin};
@@ -6,8 +6,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// Table `[domain.shear]`: uniform shear of a box without walls that is periodic along x, y and z. The mean flow is
-/// along z and grows along y. Images of the particles across y slide along z. Random starts get the mean flow in
-/// addition to their velocities.
+/// along z and grows along y. Images of the particles across y slide along z. Particles with random velocities at the
+/// start get the velocity of the mean flow in addition.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShearFile {

@@ -18,7 +18,7 @@ pub enum SizesFile {
         #[schemars(example = &"500 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]
         to: Option<Located<Length>>,
     },
-    /// Log-normal distribution, cut off at both ends.
+    /// Log-normal distribution of the diameters, cut off at both ends.
     LogNormal {
         /// Median of the diameters, by number, before the ends are cut off.
         #[schemars(example = &"400 um", extend("x-required" = "always", "x-range" = "1e-7 m ..= 1 m"))]

@@ -1,4 +1,4 @@
-//! Tables of thermostats.
+//! Keys of thermostats, which heat the particles from outside: tables `[thermostat.*]` of a case.
 
 use super::Located;
 use crate::case::quantity::{DissipationRate, Spin};
@@ -10,7 +10,8 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ThermostatFile {
-    /// Random accelerations, white in time and independent for each particle (Williams and MacKintosh 1996).
+    /// Random accelerations, uncorrelated in time (white noise) and independent for each particle (Williams and
+    /// MacKintosh 1996).
     Stochastic {
         /// Growth rate of the granular temperature without collisions: the variance that each velocity component gains
         /// per time.

@@ -1,4 +1,4 @@
-//! Walls and their shapes.
+//! Keys of walls and of their shapes: tables `[[walls]]` of a case.
 
 use super::{Axis, ElasticityFile, MotionFile, RestitutionFile, Three};
 use crate::case::located::Located;
@@ -80,7 +80,8 @@ pub struct RoughnessFile {
     pub deviation: Option<Located<Ratio>>,
 }
 
-/// Rotation of the surface of a wall along itself; the shape stays at rest.
+/// Table `[walls.rotation]`: rotation of the surface of a wall along itself, such as that of a drum; the shape stays
+/// at rest.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallRotationFile {
@@ -217,10 +218,11 @@ pub struct MeshFile {
     /// Position, in the box, of the origin of the coordinates in the file.
     #[schemars(extend("examples" = [["10 mm", "0 mm", "10 mm"]], "default" = [0, 0, 0]))]
     pub position: Option<Three<Length>>,
-    /// Axis of the rotation, through the origin of the file: a vector of any length.
+    /// Axis about which the surface is rotated, through the origin of the coordinates in the file: a vector of any
+    /// length.
     #[schemars(extend("examples" = [[1, 0, 0]], "default" = [0, 0, 1]))]
     pub axis: Option<Three<Ratio>>,
-    /// Angle of the rotation, counter-clockwise if the axis points towards the viewer.
+    /// Angle by which the surface is rotated, counter-clockwise if the axis points towards the viewer.
     #[schemars(example = &"90 deg", extend("default" = 0))]
     pub angle: Option<Located<Ratio>>,
     /// True: the particles are inside a closed surface. False: they are outside. Without this key a closed surface is a

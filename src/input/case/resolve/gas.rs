@@ -162,8 +162,8 @@ impl Resolver {
 }
 
 /// [-] largest particle Reynolds number that is known before the run, for the particles at the start and for those of
-/// inlets. It is computed from the slip velocity at first or from the slip at which drag balances the weight, whichever
-/// is larger, and from the largest diameter of the species.
+/// inlets. It is computed from the largest diameter of the species. The slip is that at the start (for inlets, at
+/// entry) or that at which drag balances the weight, whichever is larger.
 fn largest_reynolds(experiment: &Experiment, fluid: &Fluid) -> f64 {
     let (scene, Some(drag)) = (&experiment.scene, &fluid.drag) else { return 0.0 };
     let slip = |gas: f64, v: &Vector3<f64>| (v - Vector3::new(0.0, 0.0, gas)).norm();

@@ -12,11 +12,11 @@ use crate::triangles::{Heap, TriangleFile, TriangleFormat};
 use crate::walls::{Continued, Findings, Mesh, Mismatch, Nested, Sides, continued};
 use nalgebra::{Rotation3, Unit, Vector3};
 
-/// [-] largest ratio of the longest edge of the mesh to that of the box, or the inverse ratio. Beyond this ratio the
-/// unit of the mesh is probably wrong.
+/// [-] largest allowed ratio of the longest edge of the mesh to that of the box, or the inverse ratio. Beyond this
+/// ratio the unit of the mesh is probably wrong.
 const ANOTHER_UNIT: f64 = 100.0;
-/// [-] distance by which a surface is continued beyond periodic sides, over the largest particle diameter. It must
-/// exceed the distance within which contacts are searched for, 1.25 radii.
+/// [-] distance by which a surface is continued beyond periodic sides, divided by the largest particle diameter. It
+/// must exceed the distance within which contacts are searched for, 1.25 radii.
 const MARGIN: f64 = 2.0;
 /// [byte] memory per triangle while a wall is made from the triangles. It was measured as the growth of the peak memory
 /// of the process from 1e5 to 4e5 triangles.
@@ -152,7 +152,8 @@ impl Resolver {
         Ok(heap)
     }
 
-    /// Warns about parts of the file that are ignored, and about corners that were merged; `welded` is their number.
+    /// Warns about lines of the file that are ignored (`notes`), and about corners that were merged (`welded` is their
+    /// number).
     fn warn_of_file(&mut self, name: &Located<String>, welded: usize, notes: Vec<String>) {
         let typed = self.as_typed(name);
         if !notes.is_empty() {

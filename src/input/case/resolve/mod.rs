@@ -49,7 +49,8 @@ pub(super) use table::leads_out;
 pub use table::read_text;
 use table::{read_bytes, text_of};
 
-/// Model, seed, name and reference of one variant, as given on the command line or in `[[compare]]`.
+/// Model, seed, name and reference (variant or table with which it is compared) of one variant, as given on the
+/// command line or in `[[compare]]`.
 #[derive(Clone, Debug, Default)]
 pub struct VariantChoice {
     /// Collision model that the command line or the variant gives; `None` if the case determines the model.
@@ -250,7 +251,7 @@ impl Resolver {
         Ok((source, text))
     }
 
-    /// Path and bytes of the file `name`, and the kind of source.
+    /// Path and bytes of the file `name`, and the kind of source: a file on the disk or a built-in one.
     fn bytes_of(&self, name: &Located<String>) -> Result<(PathBuf, Vec<u8>, SourceKind), Diagnostic> {
         let path = self.path_of(name)?;
         let (bytes, kind) = match self.sources.get(&name.origin).map_or(SourceKind::File, |typed_in| typed_in.kind) {

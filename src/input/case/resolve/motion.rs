@@ -9,8 +9,8 @@ use crate::experiment::{Experiment, Model};
 use crate::walls::{MovingShape, PiecewisePath, PrescribedMotion, ServoMotion, ServoState, Turning, Wall};
 use nalgebra::Vector3;
 
-/// [-] largest difference of two lengths, over the size of the box, that counts as rounding. Two directions count as
-/// parallel if the magnitude of the cosine of the angle between them differs from 1 by at most this number.
+/// [-] largest difference of two lengths, divided by the size of the box, that counts as rounding. Two directions
+/// count as parallel if the magnitude of the cosine of the angle between them differs from 1 by at most this number.
 const ROUNDING: f64 = 1e-9;
 
 impl Resolver {
@@ -142,8 +142,8 @@ impl Resolver {
         self.sources.error(&typed.origin, format!("`{}` {what}", typed.path))
     }
 
-    /// Warns about planes and vessels that leave the box during the run, and about planes between which particles no
-    /// longer fit.
+    /// Warns about planes and vessels (hollow walls with particles inside) that leave the box during the run, and
+    /// about planes between which particles no longer fit.
     pub(super) fn check_motion(&mut self, file: &CaseFile, experiment: &Experiment) {
         let duration = experiment.run.duration;
         let (walls, domain) = (&experiment.scene.walls, &experiment.scene.domain);
@@ -173,8 +173,8 @@ impl Resolver {
     }
 }
 
-/// Axis and coordinate [m] at which a moving plane or vessel gets out of the box within `duration` [s]; `None` if it
-/// stays in the box.
+/// Axis and coordinate [m] at which a moving plane or vessel (hollow wall with particles inside) gets out of the box
+/// within `duration` [s]; `None` if it stays in the box.
 fn leaves(moving: &MovingShape, domain: &Domain, duration: f64) -> Option<(&'static str, f64)> {
     let corners = moving.shape().law().room_corners()?;
     (0..3).filter(|axis| !domain.periodic[*axis]).find_map(|axis| {

@@ -1,4 +1,4 @@
-//! Reads and checks the measurements in addition to the standard ones.
+//! Reads and checks the measurements that a case requests in addition to the standard ones.
 
 use super::Resolver;
 use crate::case::describe::length;
@@ -24,7 +24,7 @@ const MOST_WAVES: f64 = 100.0;
 /// Largest number of cells of a grid of fields (density, velocity and stress). A cell takes 2.5 KB of memory: 16 sums
 /// for each of the 20 parts into which the time of a run is divided.
 const MOST_CELLS: i64 = 50_000;
-/// Smallest number of columns of a surface along an edge of the box; the next constant is the largest number. The
+/// Smallest number of columns of a surface along an edge of the box; `MOST_COLUMNS` is the largest number. The
 /// computing time at each instant of measurement grows with the third power of the number of columns.
 const FEWEST_COLUMNS: f64 = 10.0;
 const MOST_COLUMNS: f64 = 500.0;

@@ -1,4 +1,4 @@
-//! Reads and checks inlets and outlets.
+//! Reads and checks inlets and outlets, the places where particles come in and leave.
 
 use super::Resolver;
 use crate::case::diagnostic::Diagnostic;
@@ -92,8 +92,8 @@ impl Resolver {
         Err(self.sources.error(&typed.origin, message).help("leave it out, or [domain.shear]"))
     }
 
-    /// Inlets of a case (places where particles come in), in the order of the case. Each inlet takes its velocities and
-    /// spins from one population of `start`.
+    /// Inlets of a case (places where particles come in), in the order of the case. Each inlet takes its velocities
+    /// and spins from the table `[[particles]]` that it names; `start` contains the values of these tables.
     ///
     /// # Errors
     /// A value that is out of range, particles that the case does not define, or a region without room for a particle.

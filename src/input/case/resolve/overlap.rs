@@ -12,16 +12,16 @@ use nalgebra::Vector3;
 use rustc_hash::FxHashMap;
 use std::ops::ControlFlow;
 
-/// [-] largest overlap over the smaller diameter that counts as the rounding error of two touching bodies. Positions
-/// written after a long run have this accuracy.
+/// [-] largest overlap, divided by the smaller diameter, that counts as the rounding error of two touching bodies.
+/// Positions written after a long run have this accuracy.
 const ROUNDING: f64 = 1e-9;
 /// Number of close pairs per particle after which the search for overlaps ends, if it has found an overlap of more
 /// than half a diameter. Close particles are in one cell or in neighbouring cells, which are about one diameter wide.
 /// Equal spheres without overlap fill at most 0.74 of these 27 cells. Each sphere then has fewer than 40 others in
 /// these cells, so more pairs come from overlaps.
 const ENOUGH: usize = 100;
-/// [-] largest overlap over the smaller diameter with which the soft engine starts from positions given by the user.
-/// The particles then start within a contact.
+/// [-] largest overlap, divided by the smaller diameter, with which the soft engine starts from positions given by the
+/// user. The particles then start within a contact.
 const SOFT_LIMIT: f64 = 0.01;
 
 /// Rule by which overlaps in the initial state are accepted or refused.
@@ -39,7 +39,7 @@ pub(super) enum Rule {
 struct InitialOverlap {
     i: usize,
     with: OverlappedBody,
-    /// [-] overlap over the smaller diameter of the two bodies; at a wall over the diameter of the particle.
+    /// [-] overlap, divided by the smaller diameter of the two bodies, or at a wall by the diameter of the particle.
     ratio: f64,
     /// [-] largest value of `ratio` with which the model can start.
     limit: f64,
@@ -115,11 +115,11 @@ impl Resolver {
         Err(self.sources.error(&particle.origin, message).help("move it, or make `domain.size` larger"))
     }
 
-    /// [-] largest overlap, over the smaller diameter, with which the model can start. `of` contains two particles, or
-    /// one particle twice if it touches a wall; `flat` is true for a flat wall. Soft and hybrid spheres from a saved
-    /// state or a file of another program may overlap as during a run, those placed by the user at most by
-    /// `SOFT_LIMIT`. Hard spheres and spheres that collide by chance may overlap only in a saved state. Event-driven
-    /// hard spheres may not overlap at all, unless they are moved apart before the start.
+    /// [-] largest overlap, divided by the smaller diameter, with which the model can start. `of` contains two
+    /// particles, or one particle twice if it touches a wall; `flat` is true for a flat wall. Soft and hybrid spheres
+    /// from a saved state or a file of another program may overlap as during a run, those placed by the user at most
+    /// by `SOFT_LIMIT`. Hard spheres and spheres that collide by chance may overlap only in a saved state.
+    /// Event-driven hard spheres may not overlap at all, unless they are moved apart before the start.
     fn deepest(&self, of: [&Placed; 2], rule: Rule, flat: bool) -> f64 {
         let saved = of.iter().all(|placed| placed.saved);
         let settled = of.iter().all(|placed| placed.saved || placed.foreign);

@@ -117,8 +117,8 @@ impl Resolver {
 
     /// Stiffness of a pair; `None` if no key of the pair determines it. The damping ratio ζ follows from the
     /// restitution. A contact then lasts T_c = π/(ω_0 sqrt(1 - ζ²)), where ω_0² = k_n/M is the square of the undamped
-    /// angular frequency, with stiffness k_n and effective mass M. Its largest overlap is `reduced_overlap` · u/ω_0,
-    /// with the speed of approach u.
+    /// angular frequency, with stiffness k_n and effective mass M. Its largest overlap is a u/ω_0, with the speed of
+    /// approach u and the factor a that the function `reduced_overlap` gives.
     fn pair_stiffness<'a>(
         &self,
         pair: &'a PairFile,

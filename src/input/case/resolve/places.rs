@@ -16,8 +16,8 @@ use crate::scene::{Scene, SizeDistribution};
 use crate::triangles::digits;
 use nalgebra::Vector3;
 
-/// Index in [`COLUMNS`] (the properties of a particle) of the x component of the velocity. The constants below are the
-/// indices of other properties that a file may lack. `OF_SPIN` and `OF_MOMENTUM` are also those of the x component.
+/// Index in [`COLUMNS`] (the properties of a particle) of the x component of the velocity. The other constants `OF_…`
+/// are indices in the same list, of the spin and of the momentum also that of the x component.
 const OF_VELOCITY: usize = 3;
 const OF_DIAMETER: usize = 6;
 const OF_SPECIES: usize = 7;
@@ -31,8 +31,8 @@ const OF_MOMENTUM: usize = 15;
 const FASTEST_SPIN: f64 = 1e9;
 /// [-] relative error of a number in single precision, which other programs write.
 const SINGLE: f64 = f32::EPSILON as f64;
-/// Number of significant digits from which on the last digit of a number may be rounded. Numbers with fewer digits are
-/// taken as exact, up to single precision.
+/// A number with at least this many significant digits may have been rounded at its last digit. Numbers with fewer
+/// digits are taken as exact, up to single precision.
 const ROUNDED: usize = 6;
 
 /// [-] relative error of a number, estimated from the number of significant digits of its text.
@@ -42,7 +42,8 @@ fn precision(text: &str) -> f64 {
 }
 
 /// True if two displacements [m] along z of the image above a sheared box are equal, up to rounding and to whole
-/// periods [m] of the box. False unless `there` and `here` hold one number each.
+/// periods of the box; `period` [m] is the length of the box along z. False unless `there` and `here` hold one number
+/// each.
 fn near_offset(there: &[f64], here: &[f64], period: f64) -> bool {
     let ([there], [here]) = (there, here) else { return false };
     let apart = (there - here) / period;
@@ -207,8 +208,9 @@ impl Resolver {
         Ok(Some((diameter, OF_DIAMETER)))
     }
 
-    /// Refuses the value `value` in the column `column` of a row if it differs by more than rounding from `wanted`, the
-    /// value of the species `kind`. The allowed relative difference is `factor` times the precision of the text.
+    /// Refuses the value `value` in the column `column` of a row if it differs by more than rounding from `wanted`,
+    /// the value of the species `kind`. The allowed relative difference is `factor` times the precision of the typed
+    /// number, which follows from its number of digits.
     fn agree(
         &self,
         row: TableRow<'_>,

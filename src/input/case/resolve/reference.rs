@@ -12,7 +12,7 @@ use crate::legible::quote;
 use crate::scene::Scene;
 use crate::statistics::{MOST_STATED, SLICE_COLUMNS};
 
-/// Quantities of a table that are averages over the whole scene and have no place y.
+/// Quantities of a reference table that are averages over the whole scene, so that they have no position y.
 const OF_THE_SCENE: [&str; 3] = ["granular_temperature", "pair_impact_rate", "wall_impact_rate"];
 
 // indices of the columns of a table, the required ones first

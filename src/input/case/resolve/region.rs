@@ -60,7 +60,7 @@ impl Resolver {
         Ok(Hollow::new(Cavity::ClosedCylinder(Frustum { axle, radii: [radius; 2], half_height, solid: true })))
     }
 
-    /// Indices of the walls with the given name, each of which must have an inside.
+    /// Indices of the walls with the given name, each of which must be able to enclose particles, such as a vessel.
     fn walls_inside(&self, name: &Located<String>, file: &CaseFile, scene: &Scene) -> Result<Vec<u32>, Diagnostic> {
         let walls = file.walls.iter().flatten().zip(0u32..);
         let is_named = |wall: &Option<Located<String>>| wall.as_ref().is_some_and(|own| own.value == name.value);

@@ -136,9 +136,9 @@ impl Resolver {
         self.in_range(typed, help).map(Some)
     }
 
-    /// Tangential law that a case gives. If the case gives none, but has Walton's rule with β_0 > 0, the law is a
-    /// spring with this tangential restitution β_0. This holds only if the normal law is linear or absent. In all
-    /// other cases without a given law the result is Coulomb's friction without a spring.
+    /// Tangential law that a case gives. A case without such a law may have Walton's rule, by which an impact changes
+    /// the slip s to -β_0 s. If β_0 > 0 and the normal law is linear or absent, the law is then a spring that gives
+    /// this β_0. In all other cases without a given law the result is Coulomb's friction without a spring.
     fn tangential_law(&mut self, file: &CaseFile, soft: &SoftSettings) -> Result<TangentialLaw, Diagnostic> {
         let is_linear = soft.law.is_none_or(|law| law.is_linear());
         let is_viscoelastic = matches!(soft.law, Some(ContactLaw::KuwabaraKono(_)));
@@ -252,9 +252,9 @@ impl Resolver {
         Ok(Some(TwistingLaw { damping }))
     }
 
-    /// Impact rule that replaces the rule of a tangential spring if the restitution of any impact depends on speed;
-    /// `None` if no restitution does. The rule of a spring needs one restitution, so this is an error in models with
-    /// instantaneous impacts. Soft spheres use no impact rule; for them the result is Coulomb's rule.
+    /// Refuses the impact rule of a tangential spring in models with instantaneous impacts if a restitution depends on
+    /// the speed, because this rule holds for one restitution only. With soft spheres the result is then Coulomb's
+    /// rule, which is never used. `None` if no restitution depends on the speed.
     fn rule_by_speed(&self, file: &CaseFile, scene: &Scene) -> Result<Option<ImpactRule>, Diagnostic> {
         let depends = scene.depends_on_speed();
         let typed = file.hard.as_ref().and_then(|hard| hard.value.friction.as_ref()).map(|rule| &rule.origin);
@@ -270,8 +270,8 @@ impl Resolver {
         }
     }
 
-    /// Impact rule that a case gives. If the case gives none, the rule is that of the tangential spring; without such a
-    /// spring it is Coulomb's rule.
+    /// Impact rule that a case gives. If the case gives none, the rule is that of the tangential spring; without such
+    /// a spring it is Coulomb's rule (an impact stops the slip, as far as friction suffices).
     fn impact_rule(
         &mut self,
         file: &CaseFile,

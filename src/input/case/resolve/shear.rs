@@ -8,8 +8,8 @@ use crate::domain::{Domain, Orbit};
 use crate::scene::Scene;
 use nalgebra::Vector3;
 
-/// [-] smallest edge of a sheared box over the largest diameter. In a smaller box, a particle of an event queue could
-/// collide with two periodic images of another particle.
+/// [-] smallest edge of a sheared box, divided by the largest diameter. In a smaller box, an event-driven particle
+/// could collide with two periodic images of another particle.
 const SMALLEST_EDGE: f64 = 4.0;
 
 impl Resolver {

@@ -13,8 +13,8 @@ use crate::scene::{Fraction, SizeDistribution, Species};
 const LEAST_LEFT: f64 = 1e-6;
 
 impl Resolver {
-    /// [m] diameter of a species, and `None` if all its particles have this diameter. If they differ, the result is the
-    /// diameter of a sphere of the mean volume, and the size distribution.
+    /// [m] diameter of a species and its size distribution. The distribution is `None` if all particles have this
+    /// diameter; otherwise the diameter is that of a sphere of the mean volume.
     pub(super) fn diameter(
         &self,
         kind: &Located<ParticlesFile>,

@@ -23,7 +23,7 @@ const MOST_PARTICLES: i64 = 50_000_000;
 /// times as many species would take 10 GB.
 const MOST_KINDS: usize = 1000;
 /// [byte] memory per particle, rounded up. It was measured as the growth of the peak memory of the process from 1e5 to
-/// 4e5 particles in gas (265 hard, 296 soft).
+/// 4e5 particles in gas (265 bytes with hard, 296 with soft spheres).
 const BYTES: f64 = 300.0;
 /// [m/s] largest allowed component of a velocity; particles in a gas are slower.
 pub(super) const FASTEST: f64 = 1e5;
@@ -339,8 +339,8 @@ impl Resolver {
     }
 
     /// Refuses an initial state that is denser than any packing of equal spheres, or than any random packing of equal
-    /// spheres if it has random positions. Also refuses too many particles. Warns if a state with random positions is
-    /// denser than 0.62.
+    /// spheres if it has random positions. Also refuses too many particles. Warns if a state with random positions
+    /// fills more than 0.62 of the volume.
     fn check_packing(&mut self, file: &CaseFile, scene: &Scene, start: &[Population]) -> Result<(), Diagnostic> {
         let mut total = 0.0;
         let mut random = 0.0;

@@ -14,8 +14,8 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-/// [byte] largest size of a file that is read without a look at the free memory. It is also the limit if the free
-/// memory is not known.
+/// [byte] largest size of a file that is read without a check of the free memory. If the free memory is not known,
+/// larger files are refused.
 const SHORT: u64 = 1 << 28;
 
 /// [byte] memory per byte of a table while it is read. It was 4.6 with 10⁷ particles of a saved state (2026-11-30), and
@@ -116,8 +116,8 @@ pub struct DataTable {
     pub(super) rows: Vec<(csv::StringRecord, Origin)>,
 }
 
-/// Points (y, U) and (y, k, ε) of a gas profile from a table, in SI. The second list is empty if the table lacks k or
-/// ε.
+/// Points (y, U) and (y, k, ε) of a gas profile from a table, in SI: height y, velocity U, turbulent kinetic energy k
+/// and its dissipation rate ε. The second list is empty if the table lacks k or ε.
 type TabulatedGas = (Vec<(f64, f64)>, Vec<[f64; 3]>);
 
 /// One row of a table.

@@ -28,9 +28,9 @@ impl Resolver {
         }))
     }
 
-    /// Warns if nothing takes the heat of a thermostat away, or if a Gaussian thermostat finds no velocity differences
-    /// to enlarge. Also warns if the window that the case gives (time between two kicks) is too long for the
-    /// thermostat.
+    /// Warns if nothing takes the heat of a thermostat away, or if a Gaussian thermostat, which enlarges differences
+    /// of velocity, finds none at the start. Also warns if the window that the case gives (time between two kicks) is
+    /// too long for the thermostat.
     pub(super) fn check_thermostat(&mut self, file: &CaseFile, experiment: &Experiment) {
         let Some(typed) = &file.thermostat else { return };
         let scene = &experiment.scene;

@@ -16,7 +16,8 @@ use std::sync::Arc;
 
 /// [-] largest component of a unit normal along an axis that counts as rounding of 0.
 const ALIGNED: f64 = 1e-9;
-/// [-] largest distance by which a hollow body may reach beyond the box because of rounding, over the size of the box.
+/// [-] largest distance by which a hollow body may reach beyond the box because of rounding, divided by the size of
+/// the box.
 const ROUNDING: f64 = 1e-9;
 
 /// Largest number of walls of a case. So many walls take 1 GB of memory, and about 10 s to check.
@@ -49,8 +50,8 @@ fn says(key: &Option<Located<bool>>) -> bool {
     key.as_ref().is_some_and(|key| key.value)
 }
 
-/// Half the edges [m] of the smallest box around a round body, from its axis (0, 1 or 2), radius [m] and half height
-/// [m].
+/// Half the edges [m] of the smallest box around a cylinder or cone, from its axis (0, 1 or 2), radius [m] and half
+/// height [m].
 fn around(axis: usize, radius: f64, half_height: f64) -> Vector3<f64> {
     Vector3::from_fn(|k, _| if k == axis { half_height } else { radius })
 }

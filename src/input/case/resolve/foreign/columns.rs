@@ -40,17 +40,17 @@ pub struct Layout {
     pub width: usize,
 }
 
-/// Form in which a particle file gives positions. If a file gives several forms, the form that stands last in this
-/// list is read.
+/// Form in which a particle file gives positions. If a file gives several forms, lengths are preferred to fractions,
+/// and positions inside the box to positions in its periodic images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum PositionForm {
-    /// Fraction of the box size, possibly in a periodic image of the box.
+    /// Position as a fraction of the box size, possibly in a periodic image of the box.
     ScaledUnwrapped,
-    /// Fraction of the box size, in the box.
+    /// Position as a fraction of the box size, inside the box.
     Scaled,
-    /// [m] coordinate, possibly in a periodic image of the box.
+    /// [m] position, possibly in a periodic image of the box.
     Unwrapped,
-    /// [m] coordinate in the box.
+    /// [m] position inside the box.
     Wrapped,
 }
 

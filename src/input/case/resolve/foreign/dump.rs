@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 
 const HELP: &str = "a dump of atoms in text has the items TIMESTEP, NUMBER OF ATOMS, BOX BOUNDS and ATOMS";
 
-/// Items of one instant in a text dump of LAMMPS or LIGGGHTS.
+/// Items of one instant in a text dump of LAMMPS or LIGGGHTS, such as the time, the box and the lines of the atoms.
 #[derive(Clone, Default)]
 pub(super) struct DumpFrame {
     /// Index in the file of the first line of the instant.
@@ -19,7 +19,7 @@ pub(super) struct DumpFrame {
     time: Option<f64>,
     /// Number of the time step; `None` if the dump does not give it.
     step: Option<f64>,
-    /// Number of atoms given in the dump, and index of the line with this number; `None` if the dump does not give it.
+    /// Number of atoms that the dump states, and index of the line that states it; `None` if no line does.
     count: Option<(usize, usize)>,
     /// [m] lower and upper corner of the box; `None` if the dump does not give the box.
     bounds: Option<[Vector3<f64>; 2]>,

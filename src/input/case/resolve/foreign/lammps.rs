@@ -16,7 +16,7 @@ const SIDES: [[&str; 2]; 3] = [["xlo", "xhi"], ["ylo", "yhi"], ["zlo", "zhi"]];
 /// Section `Atoms` of a LAMMPS data file: the indices of its columns and lines.
 #[derive(Clone)]
 struct Atoms {
-    /// Column of the diameter, after which follows the column of the density; `None` if there is no diameter.
+    /// Index of the column of the diameter, after which follows the column of the density; `None` without diameters.
     diameter: Option<usize>,
     place: usize,
     header: usize,
@@ -30,8 +30,8 @@ struct Outline<'a> {
     low: Vector3<f64>,
     high: Vector3<f64>,
     boxed: bool,
-    /// Number of atoms given in the header of the file, and index of the line with this number; `None` if it is not
-    /// given.
+    /// Number of atoms that the header of the file states, and index of the line that states it; `None` if no line
+    /// does.
     announced: Option<(usize, usize)>,
     atoms: Option<Atoms>,
     /// Index of the header line of the section `Velocities`; `None` if the file has no such section.
@@ -257,7 +257,7 @@ impl ForeignReader<'_> {
     }
 }
 
-/// True for a word that occurs only in lines about the box, in small letters or in capitals.
+/// True for a word, in small letters or in capitals, that marks a line about the box, such as `xlo` or `xy`.
 fn of_box(word: &str) -> bool {
     SIDES.iter().flatten().chain(&["xy", "xz", "yz"]).any(|name| name.eq_ignore_ascii_case(word))
 }
