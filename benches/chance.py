@@ -14,7 +14,7 @@ KEYS = {"run.duration": "80 ms", "run.average_from": "20 ms"}
 
 
 def times(case, model):
-    """[s] wall times of the loop of a run, and of its engine, times the share of the core."""
+    """[s] wall time of the loop over windows of a run, and that of its engine, both times the share of the core that the process got."""
     path = measure.ROOT / "cases" / f"channel-{case}.toml"
     run = measure.diptych(path, f"chance-{case}-{model}", model, KEYS)
     share = min(run["share"], 1.0)

@@ -1,9 +1,10 @@
 //! Measures the wall time per particle of the parts of a simulation (kernels): `RAYON_NUM_THREADS=1 cargo bench`. With
 //! one thread, the times of the parts add up to the time of the whole.
 //!
-//! Islands (groups of particles that may meet), straight flight and the event queue cannot be called from here. For
-//! each of them, the time of one window of an engine is measured, in a scene in which this part takes most of the time.
-//! A window is the time between two exchanges with the gas. The paper is that of docs/paper.md.
+//! Islands (groups of particles that may meet), straight flight and the event queue cannot be called directly from
+//! this program. For each of them, the time of one window of an engine is measured, in a scene in which this part
+//! takes most of the time. A window is the time between two exchanges with the gas. The paper is that of
+//! docs/paper.md.
 
 use diptych::contact_law::{Bodies, ContactLaw};
 use diptych::domain::Domain;
@@ -277,7 +278,8 @@ fn soft_uniform_window(bencher: Bencher, count: usize) {
 /// that are not flat.
 #[divan::bench(args = ["can", "cone", "sphere", "pipe"])]
 fn gas_in_round_vessel(bencher: Bencher, vessel: &str) {
-    /// [s] length of the measured window, about a twentieth of the time in which a sphere crosses the vessel.
+    /// [s] length of the measured window (time between two exchanges with the gas), about a twentieth of the time in
+    /// which a sphere crosses the vessel.
     const LONG: f64 = 1e-3;
     let scene = cube(400, 0.002);
     let (center, radius) = (0.5 * scene.domain.size, 0.45 * scene.domain.size.x);

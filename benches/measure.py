@@ -1,4 +1,4 @@
-"""What the benchmark scripts share: building, pinned runs, rates, ratios. Needs Linux, cargo and python3 3.9 or newer."""
+"""Functions of the benchmark scripts: they build the program, run it on chosen cores, and compute rates and ratios. Needs Linux, cargo, python3 >= 3.9."""
 import csv
 import datetime
 import functools
@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 WORK = ROOT / "target" / "peers"
-# The variable DIPTYCH names a program that is measured in place of the one that is built here
+# The environment variable DIPTYCH names a program that is measured in place of the one that is built here
 BINARY = Path(os.environ.get("DIPTYCH", ROOT / "target" / "release" / "diptych"))
 
 
@@ -31,7 +31,7 @@ def settings(pairs):
 
 
 def execute(command, cores="0"):
-    """Runs a command on the given cores; returns its greatest resident memory [byte] and processor time over wall time."""
+    """Runs a command on the given cores. Returns its largest resident memory [byte], and its processor time divided by its wall time [-]."""
     began = time.monotonic()
     process = subprocess.Popen(["taskset", "-c", cores, *map(str, command)], cwd=WORK, stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
@@ -43,8 +43,8 @@ def execute(command, cores="0"):
 
 
 def diptych(case, out, model, keys, threads=1, options=()):
-    """Runs a case; returns its variant of summary.json, with `peak_memory` [byte] and
-    `share` (processor time over wall time) added."""
+    """Runs a case. Returns its entry in `variants` of summary.json, with two more keys: `peak_memory` [byte], and
+    `share` [-], the processor time over the wall time."""
     out = WORK / out
     cores = ",".join(map(str, range(threads)))
     command = [BINARY, "run", case, "--model", model, "--threads", threads, "--quiet", "--overwrite", "--out", out]
@@ -54,8 +54,8 @@ def diptych(case, out, model, keys, threads=1, options=()):
 
 
 def from_a_file(case, model, keys, settle="0 s"):
-    """A case like `case` that starts from a file, so that several runs have one random start, which takes long to make. The start is the state after
-    the time `settle`."""
+    """Path of a copy of `case` that starts from a file, so that several runs have the same random start, which takes long to make. The start is
+    the state after the simulated time `settle`."""
     diptych(case, "placed-start", model, {**keys, "run.duration": settle}, 1, ["--save-state"])
     random = ("count", "volume_fraction", "velocity_mean", "velocity_fluctuation")
     lines = [line for line in case.read_text().splitlines() if not line.startswith(random)]
@@ -69,15 +69,15 @@ shares = []
 
 
 def rate(variant):
-    """[-] simulated seconds per second of the loop: reading, placing and writing are not in it. One thread. Wall time is
-    multiplied by the share of the core that the process got: 1 on a quiet machine, and other processes' time is not ours."""
+    """[-] simulated seconds per second of the loop over windows, without reading, placing and writing, on one thread. The wall time is
+    multiplied by the share of the core that the process got (1 on a quiet machine), so that the time of other processes does not count."""
     shares.append(min(variant["share"], 1.0))
     return variant["simulated_seconds"] / (variant["wall_seconds"] * shares[-1])
 
 
 def loop_time(log, share):
-    """[s] the last loop of a LAMMPS or LIGGGHTS log, likewise times the share of the core: the one that LAMMPS states of the
-    loop, or else `share`, that of the whole process."""
+    """[s] wall time of the last loop in a log of LAMMPS or LIGGGHTS, times the share of the core that the process got. LAMMPS states this
+    share for the loop; without it, `share` of the whole process is taken."""
     text = Path(log).read_text()
     stated = re.findall(r"([0-9.]+)% CPU use", text)
     shares.append(min(float(stated[-1]) / 100 if stated else share, 1.0))
@@ -85,7 +85,7 @@ def loop_time(log, share):
 
 
 def in_turn(runs, contestants):
-    """Each contestant once per round: slow changes of the machine meet all of them alike. Returns a list per name."""
+    """Runs each contestant once per round, so that slow changes of the machine affect all of them alike. Returns a list of results per name."""
     rates = {name: [] for name in contestants}
     for _ in range(runs):
         for name, run in contestants.items():
@@ -137,7 +137,7 @@ def save(scene, run, quantity, unit, values):
 
 
 def ratios(title, rates, base):
-    """Prints the rates over those of `base` in the same round, as rows of a table: median [least - greatest]."""
+    """Prints the rates of each contestant, divided by those of `base` in the same round, as rows of a table: median [least - greatest]."""
     print(f"\n{title}: simulated time per wall time over {base}, {len(rates[base])} rounds; ", end="")
     print(f"least share of the core {min(shares, default=1.0):.2f}, load {os.getloadavg()[0]:.1f}")
     print("| run | ratio, median [range] | wall seconds per simulated second, median [range] |\n|---|---|---|")

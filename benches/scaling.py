@@ -4,8 +4,8 @@
     benches/scaling.py [ROUNDS] [LARGEST]
 
 The box of peers/s1.toml is scaled along its periodic sides: eight times the particles, sides longer by the square root of
-eight. Prints, per engine and size, the cost of a particle and simulated second, and the peak memory per particle: of the
-whole process, and of what grows with the number. LARGEST leaves out greater sizes.
+eight. Prints, per engine and size, the cost per particle and simulated second, and the peak memory per particle: first of the
+whole process, then only of the memory that grows with the number of particles. Sizes above LARGEST are left out.
 """
 import math
 import statistics
@@ -15,15 +15,15 @@ from pathlib import Path
 import measure
 
 CASE = Path(__file__).resolve().parent / "peers" / "s1.toml"
-SMALLEST, FACTOR, SIZES = 10_958, 8, 4  # an eighth of S1, and eight times as many each time
-BOX = (0.120, 0.064)  # [m] of S1 along x and z
-COUNT = 87_668  # of S1
-WINDOWS = 10  # the first allocates, and is dearer than any other
+SMALLEST, FACTOR, SIZES = 10_958, 8, 4  # numbers of particles: an eighth of S1, then three times eight times as many
+BOX = (0.120, 0.064)  # [m] edges of the box of S1 along x and z
+COUNT = 87_668  # number of particles of S1
+WINDOWS = 10  # the first window allocates memory, and takes longer than any other
 
 
 def run(model, count):
     scale = math.sqrt(count / COUNT)
-    # S1's own window for every size: the work of a particle is then the same
+    # every size has the window of S1, so that the work per particle is the same
     window = 7.5e-4
     keys = {
         "domain.size[0]": f"{BOX[0] * scale!r} m", "domain.size[2]": f"{BOX[1] * scale!r} m", "particles[0].count": count,

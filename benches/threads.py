@@ -4,8 +4,9 @@
     benches/threads.py [ROUNDS] [SCENE ...]
 
 Scenes are s1, d (from its settled start), dense, and crowd-0.5 and crowd-0.3 (100,000 hard spheres at these volume fractions, settled for about
-one d/sqrt(T)); all of them unless some are named. The machine must be quiet on both cores. Prints the ratio of wall times of each
-round, and how long a word takes to the other core and back, which says whether the two share a cache; the states at the end must be the same bits.
+one d/sqrt(T)); all of them unless some are named. Nothing else should run on the two cores. Prints the ratio of wall times of each
+round, and the time that a memory word takes to the other core and back, which tells if the two cores share a cache. The final states must have
+equal bits.
 """
 import re
 import statistics
@@ -25,18 +26,18 @@ DENSE = {"soft": {}}
 
 
 def word_there_and_back():
-    """[ns] until another core has answered, the median of many."""
+    """[ns] time until another core has answered to a change of a memory word, as the median of many."""
     command = ["cargo", "bench", "--quiet", "--locked", "--bench", "kernels", "--", "thousand_words"]
     told = subprocess.run(command, cwd=measure.ROOT, check=True, capture_output=True, text=True).stdout
     row = next(line for line in told.splitlines() if "thousand_words" in line)
-    # of a thousand: a microsecond of them is a nanosecond of one
+    # the benchmark gives the time of a thousand round trips
     unit = {"ns": 1e-3, "µs": 1, "ms": 1e3}
     _, _, median, _ = [float(number) * unit[name] for number, name in re.findall(r"([0-9.]+) (ns|µs|ms)", row)]
     return median
 
 
 def compare(scene, case, model, keys, rounds):
-    """Runs a scene on one thread and on two, in turn."""
+    """Runs a scene on one thread and on two, in turn. Prints and saves the ratio of the wall times."""
     one, two, words = [], [], []
     for _ in range(rounds):
         words.append(word_there_and_back())
@@ -53,7 +54,7 @@ def compare(scene, case, model, keys, rounds):
 
 
 def crowd(fraction):
-    """The case of settled hard spheres at a volume fraction."""
+    """Function that makes the case of settled hard spheres at a volume fraction, and returns its path."""
     keys = {**crowds.size(CROWD, fraction), "particles[0].volume_fraction": fraction}
     return lambda: measure.from_a_file(HERE / "peers" / "hard.toml", "hard", keys, "0.8 ms")
 

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Instructions, and bytes that move between caches and memory, per particle and window of the benchmark scenes.
+"""Counts instructions, and bytes that move between caches and memory, per particle and window of the benchmark scenes.
 
     apt-get install valgrind python3
     benches/traffic.py [SCENE ...]
 
 Scenes are s1, d, f, dense and crowd; all of them unless some are named. Callgrind executes the program on a simulated processor, so that
-neither the machine nor its load matters. A count is that of a long run minus that of a short one: start and first window are not in it.
+neither the machine nor its load matters. A count is that of a long run minus that of a short one, so that the start and the first window do not count.
 Writes target/peers/traffic.csv and, for each row, the functions with most instructions.
 """
 import csv
@@ -22,8 +22,8 @@ import measure
 import scenes
 from measure import WORK
 
-LINE = 64  # [byte] of a cache line
-# First and second level of a core as AMD states them for the EPYC of docs/results/speed.md (family 26): 48 KiB, 12 ways; 1 MiB, 16 ways.
+LINE = 64  # [byte] size of a cache line
+# Data caches of the first and second level of a core, as AMD states them for the EPYC of docs/results/speed.md: 48 KiB, 12 ways; 1 MiB, 16 ways.
 CACHES = ["--D1=49152,12,64", "--LL=1048576,16,64"]
 # [byte] position and velocity of a particle, three numbers of 8 bytes each, read once and written once
 ONCE = 2 * 2 * 3 * 8
@@ -31,7 +31,7 @@ EVENTS = ("Ir", "Dr", "Dw", "D1mr", "D1mw", "DLmr", "DLmw")
 
 
 def count(case, model, keys, out):
-    """Counts of a run within the loop over windows, and its variant of summary.json."""
+    """Counts of a run within the loop over windows, and the entry of the run in `variants` of summary.json."""
     command = ["valgrind", "--tool=callgrind", "--cache-sim=yes", *CACHES, f"--callgrind-out-file={WORK / out}.callgrind"]
     command += ["--toggle-collect=*Simulation::run_while*", measure.BINARY, "run", case, "--model", model, "--threads", "1"]
     command += ["--quiet", "--overwrite", "--out", WORK / out, *measure.settings(keys)]
@@ -46,7 +46,7 @@ def count(case, model, keys, out):
 
 
 def row(name, unit, case, model, keys, spans, units):
-    """Counts per unit of work between the runs of two durations [s]; `units` counts the units of a variant."""
+    """Differences of the counts of two runs, whose durations [s] are `spans`, per unit of work. The function `units` returns the units of a run."""
     runs = [count(case, model, {**keys, "run.duration": f"{span} s"}, "traffic") for span in spans]
     work = units(runs[1][1]) - units(runs[0][1])
     if work <= 0:
@@ -71,7 +71,7 @@ def collisions(variant):
 
 
 def rows_of(scene):
-    """Rows of a scene: name, unit, case, model, keys, the two durations [s], and the count of units."""
+    """Arguments of `row` for each row of a scene: name, unit, case, model, keys, the two durations [s], and the function that counts units."""
     per_window = ("particle and window", particle_windows)
     if scene == "s1":
         for model in ("hard", "soft"):
@@ -90,7 +90,7 @@ def rows_of(scene):
         for fraction in (0.5, 0.01):
             for number in (10_000, 100_000):
                 size = {f"domain.size[{axis}]": f"{crowds.edge(number, fraction)} m" for axis in range(3)}
-                # a collision per particle in the short run, three in the long one
+                # time with one collision per particle; the long run is three times as long
                 span = number / crowds.collisions(number, fraction) * crowds.DIAMETER / crowds.SPEED / 2
                 case = measure.from_a_file(HERE / "peers" / "hard.toml", "hard", {**size, "particles[0].volume_fraction": fraction})
                 keys = {**size, "run.window": f"{span} s", "statistics.sample_interval": f"{span} s"}

@@ -4,7 +4,7 @@ use diptych::triangles::TriangleFile;
 use diptych::{ContactLaw, Mesh, Plane, Wall, WallGeometry};
 use diptych::{Domain, Experiment, Population, Scene, Simulation, Species, Spheres, Surface, Vector3};
 
-/// Runs 100 soft beads with diameters of 3 mm in a box of 60 x 60 x 130 mm.
+/// Runs 100 soft beads with diameters of 3 mm that fall through the funnel, in a box of 60 x 60 x 130 mm.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut file = TriangleFile::read("cases/walls/hopper.stl")?.scaled(1e-3); // the file is in mm
     file.heap.iter_mut().flatten().for_each(|corner| *corner += Vector3::new(0.03, 0.03, 0.032));

@@ -1,4 +1,5 @@
-//! Added mass: accelerations, response times, moments of inertia, and the warning where it is left out.
+//! Added mass: accelerations, response times, moments of inertia, and the warning of a case that leaves added mass
+//! out.
 
 use crate::support::{case, close, diptych, words};
 use diptych::experiment::Model;
@@ -42,8 +43,8 @@ duration = "0.1 s"
 window = "0.1 ms"
 "#;
 
-/// A bubble in an ideal fluid rises with the acceleration 2 g, a sphere of density ρ_p with g (ρ_f - ρ_p)/(ρ_p +
-/// ρ_f/2).
+/// A bubble in an ideal fluid rises with the acceleration 2 g (gravity g). A sphere of density ρ_p in a fluid of
+/// density ρ_f rises with g (ρ_f - ρ_p)/(ρ_p + ρ_f/2).
 #[test]
 fn spheres_rise_and_fall_with_their_added_mass() {
     for model in [Model::Soft, Model::Hard, Model::Hybrid] {
@@ -69,8 +70,9 @@ fn spheres_rise_and_fall_with_their_added_mass() {
     close("without", bare.scene.gravity_of(&bare.scene.species[0]).z, 90.0, 1e-12);
 }
 
-/// In Stokes drag a sphere of density ρ_p approaches its terminal speed with τ = (ρ_p + ρ_f/2) d²/(18 ρ_f ν), and added
-/// mass does not change that speed.
+/// In Stokes drag a sphere of density ρ_p and diameter d approaches its terminal speed with the response time (ρ_p +
+/// ρ_f/2) d²/(18 ρ_f ν), in a fluid of density ρ_f and kinematic viscosity ν. Added mass does not change the terminal
+/// speed.
 #[test]
 fn drag_accelerates_the_added_mass_too() {
     let keys = ["drag.stokes={}", "fluid.kinematic_viscosity=1e-4", "run.duration=5 ms"];
@@ -86,7 +88,7 @@ fn drag_accelerates_the_added_mass_too() {
     }
 }
 
-/// The masses of a file are those of the spheres, and its momenta are those of the spheres alone.
+/// Masses and momenta of particles that a start file gives are those of the spheres, without added mass.
 #[test]
 fn files_give_masses_without_added_mass() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,9 +1,11 @@
 //! Impacts of two bodies, and of a sphere on a wall, against closed-form solutions. "Oracle A1" and so on are sections
 //! of a catalogue of reference values that were computed independently.
 //!
-//! The tolerances allow for the truncation errors of the soft engine, with x = ω_0 Δt = π sqrt(1-ζ²)/N_c. The schemes
-//! are of second order (x²). A contact that is detected at the end of a step misses up to one step of the dashpot. The
-//! dashpot's force jumps to 2 γ M u at first touch (2 ζ x of the impulse).
+//! The tolerances allow for the truncation errors of the soft engine, with x = ω_0 Δt = π sqrt(1-ζ²)/N_c. Here ω_0 is
+//! the undamped frequency of the contact, ζ its damping ratio, γ its damping, Δt the time step and N_c the number of
+//! steps per contact. The schemes are of second order (x²). A contact that is detected at the end of a step misses up
+//! to one step of the dashpot. The force of the dashpot jumps to 2 γ M u at first touch (2 ζ x of the impulse; M:
+//! effective mass, u: speed).
 
 use crate::support::*;
 use diptych::engine::hard::impulse;
@@ -13,8 +15,8 @@ use diptych::scene::Species;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// Head-on pair at 1 m/s after its contact. The contact begins a fraction `phase` (0, 1] of a step before the end of a
-/// step, and lasts N_c steps.
+/// Simulation of a head-on pair at 1 m/s, after its contact of stiffness `k` [N/m]. The contact begins a fraction
+/// `phase` (0, 1] of a step before the end of a step, and lasts `steps_per_contact` steps.
 fn head_on_run(restitution: f64, steps_per_contact: f64, integrator: Integrator, phase: f64, k: f64) -> Simulation {
     let scene = empty([0.01, 0.01, 0.01], [false; 3], small(), surface(restitution, 0.0));
     let law = LinearSpring { stiffness: k };
@@ -134,8 +136,8 @@ fn contact_times_of_the_papers_particles() {
     close("L wall", law(5000.0).contact_time(l, 1.0), 5.99986e-5, 1e-10);
 }
 
-/// True if the oscillation of a sphere grows at x = ω_0 Δt. The sphere is squeezed between two walls, so that it always
-/// touches both.
+/// True if the oscillation of a sphere between two walls grows. The sphere is squeezed, so that it always touches both
+/// walls. `x` [-] is the undamped angular frequency of both contacts together times the time step.
 fn grows(restitution: f64, integrator: Integrator, x: f64) -> bool {
     // two springs and two dashpots act: ω_0² and γ double, so ζ is sqrt 2 times that of one wall
     let zeta = LinearSpring::damping_ratio(restitution) / 2.0f64.sqrt();
@@ -292,8 +294,9 @@ fn normal_restitution_is_the_one_asked_for() {
     }
 }
 
-/// Oblique impacts: (v_t, v_n, e, μ, v_t' of hard spheres, v_t' of soft spheres). The soft value includes the
-/// attractive dashpot force at the end of a contact.
+/// Oblique impacts on a wall: tangential and normal speed before the impact, restitution, friction, then the
+/// tangential speed after it, of hard and of soft spheres. The soft value includes the attractive dashpot force at the
+/// end of a contact.
 const OBLIQUE: [(f64, f64, f64, f64, f64, f64); 7] = [
     (1.0, 1.0, 1.0, 0.325, 0.350000, 0.350000),
     (1.0, 1.0, 0.94, 0.325, 0.369500, 0.369026),

@@ -26,15 +26,16 @@ fn profile(name: &'static str, parity: Parity, parts: Vec<Option<Batches>>) -> O
     Observable { name: name.into(), unit: "", places, parity, fixed_mean: false, scale: 10.0, scale_is: "10", parts }
 }
 
-/// Profile of independent slices about 10, with a shift in each slice. The mean over the run has the standard error
-/// 0.046 in each slice.
+/// Profile whose slices are independent. The values of a slice have the mean 10 plus the `shift` of the slice, and the
+/// variance 1. The mean of a slice over the run has the standard error 0.046.
 fn shifted(shift: impl Fn(usize) -> f64, random: &mut Xoshiro256PlusPlus) -> Observable {
     let part = |slice: usize| Batches::of_series(&white(10.0 + shift(slice), random), 1.0, 0.0);
     let parts = (0..SLICES).map(part).collect();
     profile("U", Parity::Even, parts)
 }
 
-/// Compares a shifted profile with an unshifted one.
+/// Compares a profile with shifted slices with a profile without shift. `margin` [-] is the largest difference that
+/// counts as equivalent.
 fn against(shift: impl Fn(usize) -> f64, margin: f64, seed: u64) -> Comparison {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let a = shifted(shift, &mut random);
@@ -136,8 +137,8 @@ fn what_has_no_errors_keeps_the_answer_open() {
     assert_eq!(compare(&[], &[], 0.1, ErrorLevels::default()).answer, Answer::Unresolved);
 }
 
-/// In 80 % of cases, the smallest difference that a report promises to find is found, and the recommended duration of a
-/// run is sufficient.
+/// A report names the smallest difference that it would find, and a sufficient duration of the run. In 80 % of cases,
+/// this difference is found, and this duration is sufficient.
 #[test]
 fn what_could_be_seen_and_what_would_do_is_said_rightly() {
     let pairs = 200;
@@ -200,7 +201,8 @@ fn independent_runs_are_tested_as_the_textbooks_say() {
     same_chance(found.chance, 1.593_555_025_540_848_4e-4);
 }
 
-/// Two given values are independent: the variance of their sum is the sum of their variances.
+/// Values with stated standard errors are independent: the variance of the sum of two of them is the sum of their
+/// variances.
 #[test]
 fn stated_values_have_their_errors_and_are_independent() {
     for (one, other) in [(0, 1), (1, 2), (5, 1022)] {

@@ -193,8 +193,8 @@ fn spheres_in_the_middle_of_a_body_are_refused() {
     }
 }
 
-/// A sphere flies back and forth between a body and the periodic image of the body. Windows are longer or shorter than
-/// this path, and the parts into which a solver divides a window begin on either side.
+/// A sphere flies back and forth between a body and the periodic image of the body. Windows (pieces of the run) are
+/// longer or shorter than this path, and the parts into which a solver divides a window begin on either side.
 #[test]
 fn bodies_stand_again_across_periodic_sides() {
     let ball = Species { name: "ball".into(), diameter: 0.2, ..unit() };
@@ -287,7 +287,8 @@ fn a_body_in_a_periodic_side_is_a_body_in_the_middle() {
     }
 }
 
-/// An [`Obstacle`] of a kind without bounds, so that engines compute its distance for every position.
+/// An [`Obstacle`] that does not tell its bounds (a box that contains it), so that engines compute its distance for
+/// every position.
 #[derive(Debug)]
 struct Unbound(Obstacle);
 
@@ -364,7 +365,8 @@ fn what_is_found_in_a_tree_of_walls_is_what_all_walls_say() {
     }
 }
 
-/// Among hundreds of pins, the tree finds all pins near a position and few others, also in periodic boxes.
+/// Among hundreds of pins, a tree of the bounds of the pins finds all pins near a position and few others, also in
+/// periodic boxes.
 #[test]
 fn of_many_bodies_only_those_near_by_are_asked() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(5);

@@ -317,7 +317,7 @@ fn the_cure_of_a_collapse_is_not_the_one_already_taken() {
 
 /// A soft sphere without friction lies on the floor while another one falls on it. The floor holds the first sphere
 /// against gravity, so the second one comes nearer than by its speed alone. The velocity after the impact does not
-/// depend on the length of the window, which ends 1 or 3 ms later.
+/// depend on the window (piece of the run) of the impact, which ends 1 or 3 ms later.
 #[test]
 fn a_sphere_at_rest_is_hit_at_the_exact_time() {
     let (mut scene, _) = dropped(Species::new("bead", 1e-3, 2500.0), 0.9, 30e-3);

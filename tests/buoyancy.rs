@@ -1,5 +1,5 @@
-//! Buoyancy: falling spheres against MFIX and closed-form solutions, mixtures of densities, the ledger, threads and
-//! processes.
+//! Buoyancy: falling spheres against MFIX and closed-form solutions, mixtures of densities, the ledger (balance of
+//! energy and momentum), threads and processes.
 
 use crate::soak::{Crowd, books, crowd, energy_of_impacts, engines};
 use crate::support::{case, close, diptych, empty, plane, random, shared, small, surface, try_run, words};
@@ -48,7 +48,8 @@ window = "0.1 ms"
 
 const MODELS: [Model; 4] = [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc];
 
-/// Velocities along z [m/s] of the single sphere of an experiment at `times` [s], with windows of 0.1 ms.
+/// Velocities along z [m/s] of the single sphere of an experiment at `times` [s], with windows (times between two
+/// exchanges with the gas) of 0.1 ms.
 fn velocities(experiment: &Experiment, times: &[f64]) -> Vec<f64> {
     let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
     let mut done = 0;
@@ -61,8 +62,9 @@ fn velocities(experiment: &Experiment, times: &[f64]) -> Vec<f64> {
     times.iter().map(&mut at).collect()
 }
 
-/// Oracle C6: velocities with and without buoyancy, for g = 9.80665 m/s². The splitting of drag changes them by up to
-/// (h/τ)²/24 = 2.6e-7 of the slip of 0.46 m/s, for h = 0.1 ms and a relaxation time τ >= 0.04 s.
+/// Velocities with and without buoyancy from section C6 of the catalogue of reference values (oracle), for g = 9.80665
+/// m/s². Drag and flight are computed in turn in windows of h = 0.1 ms. This changes the velocities by up to (h/τ)²/24
+/// = 2.6e-7 of the slip of 0.46 m/s, for a relaxation time τ >= 0.04 s.
 #[test]
 fn the_sphere_of_mfix_falls_with_and_without_buoyancy() {
     let times = [0.01, 0.05, 0.1, 0.35];
@@ -108,10 +110,10 @@ fn a_bead_sinks_in_water() {
     }
 }
 
-/// Gravity of the scenes below [m/s²].
+/// [m/s²] gravity in the scenes with spheres of three densities.
 const GRAVITY: [f64; 3] = [0.0, -9.81, 2.0];
 
-/// Box of fluid of 1000 kg/m³ without drag, with spheres of 1000, 2500 and 800 kg/m³.
+/// Box with a fluid of 1000 kg/m³ that exerts no drag, and with species of spheres of 1000, 2500 and 800 kg/m³.
 fn three_densities() -> Scene {
     let species = |density: f64| diptych::Species { density, diameter: 1e-3, ..small() };
     let mut scene = empty([0.2; 3], [true, false, true], species(1000.0), surface(0.8, 0.0));
@@ -128,7 +130,8 @@ fn add(particles: &mut Particles, scene: &Scene, species: u16, place: [f64; 3]) 
     particles.push(place.into(), Vector3::zeros(), 0.5 * kind.diameter, kind.mass(), species);
 }
 
-/// Ways of stepping spheres of a few milligrams.
+/// Engines with their names: soft, hard and hybrid spheres, with stiffness and time step for masses of a few
+/// milligrams.
 fn ways() -> Vec<(&'static str, Box<dyn Distributed>)> {
     let (law, step, verlet) = (ContactLaw::linear(1000.0), 2e-6, Integrator::VelocityVerlet);
     let soft = |integrator, stepping| Box::new(Soft::new(law, integrator, step, stepping));
@@ -142,8 +145,8 @@ fn ways() -> Vec<(&'static str, Box<dyn Distributed>)> {
     ]
 }
 
-/// Without drag, a sphere of density ρ_p falls exactly with g (1 - ρ_f/ρ_p), in every engine and for any window.
-/// Spheres of the density of the fluid stay at rest.
+/// Without drag, a sphere of density ρ_p in a fluid of density ρ_f falls exactly with g (1 - ρ_f/ρ_p), in every engine
+/// and for any window (time between two exchanges with the fluid). Spheres of the density of the fluid stay at rest.
 #[test]
 fn spheres_of_three_densities_fall_as_they_should() {
     let mut scene = three_densities();
@@ -194,7 +197,8 @@ fn a_sphere_as_heavy_as_the_water_stays_where_it_is() {
     }
 }
 
-/// The crowds of `soak` with two densities in a gas: kinetic and elastic energy, losses, work and momentum balance.
+/// Random dense gases (the crowds of module `soak`) of two densities in a fluid: balances of kinetic and elastic
+/// energy, losses and work, and of momentum.
 #[test]
 fn the_ledger_closes_in_a_mixture_with_buoyancy() {
     for seed in [51, 54, 57] {
@@ -276,8 +280,8 @@ fn buoyancy_gives_the_same_bits_on_any_number_of_threads_and_processes() {
     }
 }
 
-/// The event queue of all particles predicts all events again after kicks of buoyancy. It agrees with the islands of
-/// each window.
+/// The event queue of all particles predicts all events again after buoyancy has changed the velocities. Its results
+/// agree with those of islands (groups of particles that may meet in a window).
 #[test]
 fn the_event_queue_of_all_particles_sees_kicks_of_buoyancy() {
     let (scene, start) = mixture(None, 800, 0.25);
@@ -292,9 +296,10 @@ fn the_event_queue_of_all_particles_sees_kicks_of_buoyancy() {
     }
 }
 
-/// A light sphere bounces on a floor. A dense sphere is present too, so that kicks contain the difference of the
-/// weights. The height agrees with the closed-form solution to first order in the window: an impact within a window has
-/// a speed wrong by up to (1 + e) b h/2. b is the difference of the two accelerations.
+/// A light sphere bounces on a floor. A dense sphere is present too, so that kicks (changes of velocity once per
+/// window) contain the difference of the weights. The height agrees with the closed-form solution to first order in
+/// the window h. An impact within a window has a speed wrong by up to (1 + e) b h/2, with the restitution e and the
+/// difference b of the accelerations of the two spheres.
 #[test]
 fn a_light_sphere_bounces_beside_a_dense_one() {
     let mut scene = three_densities();
@@ -327,8 +332,8 @@ fn a_light_sphere_bounces_beside_a_dense_one() {
     assert!(4.8 * window * window / 8.0 <= 1e-8 && window > 1e-5, "{window}");
 }
 
-/// A case without the key has buoyancy. With `false`, the bits are those of a scene without buoyancy. The report names
-/// the setting.
+/// A case without the key `fluid.buoyancy` has buoyancy. With the value `false`, the bits are those of a scene without
+/// buoyancy. The report names the setting.
 #[test]
 fn the_key_switches_buoyancy() {
     let scene = |sets: &[&str]| case(DEM06, Model::Hard, sets).unwrap().scene;

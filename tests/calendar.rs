@@ -72,8 +72,9 @@ fn equal_times_go_by_id() {
     assert_eq!(runs[0], runs[1]);
 }
 
-/// Compares collisions per particle and time, times diameter over thermal speed, with oracle D1 at the volume fraction
-/// 0.3 (Kolafa, Labik and Malijevsky 2004). Also checks that a long run conserves energy and momentum.
+/// Compares the collision rate of a particle, times diameter over thermal speed, with a reference value at the volume
+/// fraction 0.3 (Kolafa, Labik and Malijevsky 2004). Also checks that a run of `collisions` collisions conserves
+/// energy and momentum.
 fn keep_energy_momentum_and_order(collisions: u64) {
     let (scene, start) = gas(1000, 0.3, 5);
     let mut simulation = calendar(&scene, &start);
@@ -148,7 +149,8 @@ fn the_calendar_gives_the_same_bits_on_any_number_of_threads() {
     assert_eq!(one, fingerprint(5));
 }
 
-/// Runs on one thread and on more. Returns the simulations at the end, whose particles and ledgers must have equal bits.
+/// Runs on one thread and on more. Returns the simulations at the end, whose particles and ledgers (balances of energy
+/// and momentum) must have equal bits.
 fn on_threads(scene: &Scene, start: &Particles, duration: f64) -> Vec<Simulation> {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -224,8 +226,8 @@ fn a_round_is_repeated_if_a_sphere_becomes_too_fast() {
     assert!(record.walls.count > 500 && record.pairs.count > 10_000, "{} {}", record.walls.count, record.pairs.count);
 }
 
-/// A layer of spheres that falls as a whole on a vibrating plate, in a box of the given height. The mean volume fraction
-/// says little about the layer if the box is high.
+/// A layer of spheres that falls as a whole on a vibrating plate, in a box of the given height. The mean volume
+/// fraction says little about the layer if the box is high.
 fn layer(height: f64) -> (Scene, Particles) {
     let of_height = |height: f64| empty([16.0, height, 16.0], [true, false, true], unit(), surface(0.9, 0.0));
     // with one seed in ten, a sphere on the plate comes to rest, and the run stops

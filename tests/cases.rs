@@ -55,7 +55,8 @@ fn smaller(experiment: &mut Experiment) {
 /// Cases whose particles come to rest on a wall in the first windows of the engine with collisions by chance.
 const RESTS: [&str; 4] = ["column.toml", "slide-to-roll.toml", "incline.toml", "three-balls.toml"];
 
-/// Runs three windows of at most about 20 contact times. Longer windows would take too many time steps of soft spheres.
+/// Runs three windows (pieces of a run) of at most about 20 contact times. Longer windows would take too many time
+/// steps of soft spheres.
 fn few_windows(name: &str, experiment: &Experiment) {
     let start = initial_state(experiment).unwrap_or_else(|why| panic!("{name}: {why}"));
     let (count, mut simulation) = (start.len(), Simulation::new(experiment, start));
@@ -125,7 +126,7 @@ fn other(experiment: &Experiment, model: Model) -> Option<Experiment> {
     Some(experiment)
 }
 
-/// The parameters tell inlets, outlets, two-way coupling, and the settings of the model.
+/// The parameters that are written for a run contain inlets, outlets, two-way coupling, and the settings of the model.
 #[test]
 fn parameters_name_what_the_case_sets() {
     let rows = [

@@ -1,4 +1,5 @@
-//! Work-precision chart: catalogue values for one impact, orders of convergence, Pareto fronts, failures, floors.
+//! Work-precision chart: catalogue values for one impact, orders of convergence, Pareto fronts, failures, and floors
+//! (errors that the reference has by chance).
 
 use crate::support::{experiment, small, surface};
 use diptych::case::Case;
@@ -11,7 +12,8 @@ use diptych::study::chart::{Crowd, HeadOn, MethodSweep, Outlook, PHASES, STARTS,
 use std::path::Path;
 use std::process::Command;
 
-/// A head-on impact of two small spheres of the paper at 1 m/s, k_n = 3000 N/m, restitution e.
+/// Head-on impact of two small spheres of the paper (docs/paper.md) at 1 m/s, with the stiffness 3000 N/m and the
+/// restitution `e`.
 fn head_on(e: f64) -> HeadOn {
     let scene = crate::support::empty([1e-2; 3], [false; 3], small(), surface(e, 0.0));
     HeadOn {
@@ -25,7 +27,7 @@ fn head_on(e: f64) -> HeadOn {
     }
 }
 
-/// Points of one method for this impact.
+/// Points of the chart of one impact for the method called `name`, one for each value of its parameter.
 fn swept(head_on: &HeadOn, name: &str) -> Vec<ChartPoint> {
     let sweeps = MethodSweep::all(&head_on.experiment, head_on.duration, &HeadOn::values(false));
     let (place, sweep) = sweeps.iter().enumerate().find(|(_, sweep)| sweep.name == name).unwrap();
@@ -212,8 +214,9 @@ fn quantity(floor: f64) -> ChartQuantity {
     ChartQuantity { key: "error", name: "error of something", axis: "error", reference, unit: "", floor }
 }
 
-/// Points of three methods. A: second order, from 8 % at a cost of 10 on; the sign of its error changes at first. B:
-/// worse than the others everywhere. C: cheap, with one failure.
+/// Made-up points of three methods. Method A converges with second order; the sign of its error changes after the
+/// first point. Method B has a larger error than the others at every cost. Method C has one point that succeeds and
+/// one that fails.
 fn example() -> Vec<ChartPoint> {
     let mut points = made_up(&[
         (0, 2.0, 5.0, -0.3),
@@ -332,7 +335,8 @@ fn the_floor_of_a_gas_is_the_scatter_of_its_own_samples() {
     assert!(sunk.unwrap().failure.is_some(), "{sunk:?}");
 }
 
-/// Message that intervals of a case are too short, and the `--set` arguments that the message recommends.
+/// Message that runs of a chart of the case `path` are too short for error bars, and the `--set` arguments that the
+/// message recommends. `None` if they are long enough.
 fn shortfall(path: &str, set: &[String]) -> Option<(String, Vec<String>)> {
     let case = Case::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(path), set).unwrap();
     let (base, _) = case.experiment(None, None).unwrap();

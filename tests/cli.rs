@@ -180,8 +180,9 @@ fn a_saved_state_starts_another_run() {
     assert_eq!(summary(&next)["variants"][0]["initial_state_hash"], hash, "17 digits give back every bit");
 }
 
-/// Budgets are written together with the report: a row for each moment and slice, and a row for all particles. The
-/// terms add up to the remainder.
+/// Budgets (rates at which drag, impacts and so on change the second moments of velocity) are written together with
+/// the report. Each moment has a row for each slice of the box, and a row for all particles. The terms of a row add up
+/// to its remainder.
 #[test]
 fn budgets_are_written_on_request() {
     let (_guard, folder) = place();
@@ -206,7 +207,8 @@ fn budgets_are_written_on_request() {
     assert!(!folder.join("budgets.csv").exists(), "budgets of the earlier run remain");
 }
 
-/// Budgets would count as impacts what turbulence, heat or shear does to the velocities.
+/// Budgets attribute every unexplained change of velocity to impacts. They are refused in scenes with turbulence,
+/// lift, heating or shear, whose effects would count as impacts.
 #[test]
 fn budgets_of_other_forces_are_refused() {
     let lift = ["--set", "fluid.lift={ shear = true }"];
@@ -327,7 +329,8 @@ fn fluid_and_check_speak() {
     }
 }
 
-/// An installed program is started in folders without `cases/` and `models/`.
+/// Sets of values and the case of `diptych impact` are built into the program, because an installed program is started
+/// in folders without `cases/` and `models/`.
 #[test]
 fn sets_and_the_case_of_impact_are_built_in() {
     let elsewhere = tempfile::tempdir().unwrap();
@@ -358,7 +361,7 @@ fn sets_and_the_case_of_impact_are_built_in() {
     );
 }
 
-/// The message about a time that cannot be names the key of this time.
+/// The message about an impossible time, such as a negative one, names the key of this time.
 #[test]
 fn times_out_of_range_are_said_of_their_own_key() {
     let place = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! Clusters: states made by hand, random points against the closed forms of an ideal gas, and messages.
+//! Clusters (groups of particles connected by small gaps): states made by hand, random points against the closed forms
+//! of an ideal gas, and messages.
 
 use crate::measurements::{agrees, curve, gas, number, of_states, points};
 use crate::support::{case, placed};
@@ -17,14 +18,16 @@ fn clusters(experiment: &Experiment, gap: f64, states: impl IntoIterator<Item = 
     of_states(experiment, measurement, states)
 }
 
-/// Shares of the particles in clusters of 1, 2 and so on, and the four numbers.
+/// Shares of the particles in clusters of 1, 2 and so on particles. Then the number of clusters, the size of the
+/// largest one, and the mean size of a cluster and of the cluster of a particle.
 fn parts(found: &Observation) -> (Vec<f64>, [f64; 4]) {
     let shares = curve(found, "share").iter().map(|share| share.unwrap().value).collect();
     let numbers = ["clusters", "largest", "mean_size", "mean_size_of_a_particle"];
     (shares, numbers.map(|name| number(found, name).value))
 }
 
-/// A cube of 10 with a row of three across a periodic side, a pair with a gap of 0.15, and a single sphere.
+/// Periodic cube with edges of 10 m and spheres of diameter 1 m: a row of three across a side, a pair with a gap of
+/// 0.146 m, and a single sphere.
 fn by_hand() -> (Experiment, Particles) {
     let mut gas = gas(6, 0.01, 1.0, Model::Hard);
     gas.scene.domain = Domain::new(Vector3::repeat(10.0), [true; 3]);
@@ -65,8 +68,8 @@ fn groups_are_connected_by_gaps_below_the_given_one() {
     assert_eq!([count, largest], [5.0, 2.0]);
 }
 
-/// Ten sizes of spheres at random, from 0.1 to 1 in diameter: the number of clusters is that of all pairs tested one by
-/// one, from one nearest image to the other.
+/// Random spheres of ten sizes, from 0.1 to 1 m in diameter. The number of clusters agrees with a test of all pairs,
+/// in which each sphere meets the nearest image of the other.
 #[test]
 fn spheres_of_very_different_sizes_connect() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
@@ -107,7 +110,7 @@ fn images_that_slide_connect() {
     }
 }
 
-/// A group of more particles than the distribution has sizes counts in its last entry.
+/// The distribution of cluster sizes ends at 50 particles. A larger cluster counts in its last entry.
 #[test]
 fn large_groups_are_in_the_last_size() {
     let mut gas = gas(60, 0.01, 1.0, Model::Hard);
@@ -123,8 +126,8 @@ fn union(r: f64, x: f64) -> f64 {
     2.0 * 4.0 / 3.0 * PI * r.powi(3) - PI * (2.0 * r - x).powi(2) * (x * x + 4.0 * x * r) / (12.0 * x)
 }
 
-/// Points at random: one is alone if the other N - 1 are outside its ball, and in a pair if the other N - 2 are outside
-/// the balls of both.
+/// Random points: a point is alone if the other N - 1 points are outside the ball around it. It is in a pair if the
+/// other N - 2 points are outside the balls around both.
 #[test]
 fn random_points_are_alone_or_in_pairs_as_in_an_ideal_gas() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(12);
@@ -148,8 +151,9 @@ fn random_points_are_alone_or_in_pairs_as_in_an_ideal_gas() {
     assert!(curve(&found, "share")[0].unwrap().error.unwrap() < 0.01);
 }
 
-/// Balls of diameter d around random points percolate at n π d³/6 = 0.3419 (Lorenz and Ziff 2001, J. Chem. Phys. 114, 3659).
-/// Below, the largest cluster is a small share of the points, above it holds most of them.
+/// Balls of diameter d around random points of number density n percolate at n π d³/6 = 0.3419 (Lorenz and Ziff 2001,
+/// J. Chem. Phys. 114, 3659). At lower densities, the largest cluster has a small share of the points; at higher
+/// densities, it has most of them.
 #[test]
 fn the_largest_cluster_grows_at_the_percolation_of_balls() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(13);

@@ -56,7 +56,7 @@ fn begin(experiment: &Experiment) -> Simulation {
     Simulation::new(experiment, initial_state(experiment).unwrap())
 }
 
-/// Runs a part of the schedule of an experiment.
+/// Runs the first windows (times between two exchanges with the gas) of an experiment.
 fn run(experiment: &Experiment, windows: u64) -> Simulation {
     let mut simulation = begin(experiment);
     simulation.run(windows, Schedule::new(experiment).window).unwrap();
@@ -68,7 +68,7 @@ fn flow(model: TurbulenceModel) -> ChannelFlow {
 }
 
 /// Without particles the steady solution of the gas stays steady. It was iterated until k and ε changed by less than
-/// 1e-11 in a sweep with a weight of 0.7; a time step of any length repeats such a sweep.
+/// 1e-11 in one sweep over the cells (weight 0.7); a time step of any length repeats such a sweep.
 #[test]
 fn a_gas_without_particles_stays_as_it_is() {
     for model in [TurbulenceModel::WallFunctions, TurbulenceModel::LaunderSharma] {
@@ -93,9 +93,9 @@ fn a_gas_without_particles_stays_as_it_is() {
     }
 }
 
-/// Crowe's modulation leaves a gas without particles as it is. If slip produces much more turbulence than shear does, and
-/// particles are close, k is that of a balance in each place: r s² = k^(3/2)/l, so k = (r s² l)^(2/3). The length l is
-/// between λ l_0/(λ + l_0) for the greatest and the least l_0 of the cells, within 1 % here. Shear produces some k too.
+/// Crowe's modulation leaves a gas without particles as it is. If slip s produces most of the turbulence, its kinetic
+/// energy k follows r s² = k^(3/2)/l (exchange rate r). Here 1/l = 1/λ + 1/l_0, with the spacing λ of the particles
+/// and the length l_0 of the gas alone. Shear and diffusion change k by less than 2 %.
 #[test]
 fn slip_produces_the_turbulence_of_crowe() {
     for model in [TurbulenceModel::WallFunctions, TurbulenceModel::LaunderSharma] {
@@ -137,8 +137,8 @@ fn slip_produces_the_turbulence_of_crowe() {
     close("ε in the middle", epsilon, k.powf(1.5) * (1.0 / spacing + 1.0 / length), 1e-9 * epsilon);
 }
 
-/// A force that is uniform across a channel or a pipe changes the pressure drop by itself, and nothing else: the shear
-/// stress is as before. The gas answers within L_y/u_τ = 0.05 s, and 2 s are simulated.
+/// If particles take momentum uniformly from the gas in a channel or a pipe, the pressure drop rises by this force per
+/// volume, and nothing else changes. The gas answers within 0.05 s (height over friction velocity); 2 s are simulated.
 #[test]
 fn a_uniform_force_is_carried_by_the_pressure_drop() {
     let pipe = ChannelFlow::solve_pipe(15.75, 0.04, 1.5e-5, None).unwrap();
@@ -163,8 +163,8 @@ fn a_uniform_force_is_carried_by_the_pressure_drop() {
     }
 }
 
-/// The momentum of the particles and of the gas changes by weight, by the pressure drop and by friction of the gas at the
-/// walls alone. Smooth walls take none of the particles along z. Sums are exact to rounding: 1e-10 of the largest part.
+/// The momentum of the particles and of the gas changes only by weight, by the pressure drop and by friction of the
+/// gas at the walls. Smooth walls take no momentum of particles along z. Sums are exact to 1e-10 of the largest part.
 #[test]
 fn momentum_of_gas_and_particles_closes() {
     for (model, keys) in [
@@ -189,9 +189,9 @@ fn momentum_of_gas_and_particles_closes() {
     }
 }
 
-/// In the steady state the pressure drop carries the friction of the gas at the walls and the weight of the particles. The
-/// mean over the second half of the run is compared by the books of momentum: what particles and gas have gained
-/// meanwhile is the whole difference, so the balance holds to rounding, and the particles carry nearly all of it.
+/// In a steady state the pressure drop carries the friction of the gas at the walls and the weight of the particles.
+/// In the second half of this run, particles and gas still gain some momentum. With this gain, the balance holds to
+/// rounding. The gain is less than a fifth of the weight.
 #[test]
 fn the_pressure_drop_rises_by_the_weight_of_the_particles() {
     let experiment = case(CHANNEL, Model::Hard, &[]).unwrap();
@@ -214,8 +214,8 @@ fn the_pressure_drop_rises_by_the_weight_of_the_particles() {
     assert!(gained.abs() < 0.2 * weight && drop > 1.5 * friction, "{drop} {friction} {weight} {gained}");
 }
 
-/// Damping of k by particles at rest in a gas of no mean shear cannot be isolated in a channel; instead the damped and the
-/// undamped flow are compared: Simonin's model lowers k everywhere, and the exchange of momentum is as before.
+/// Damping by particles cannot be tested alone in a channel, where shear produces turbulence. So the flows with and
+/// without Simonin's damping are compared: it lowers the turbulent kinetic energy k everywhere.
 #[test]
 fn particles_damp_turbulence() {
     let of = |modulation: &str| {
@@ -262,7 +262,7 @@ fn the_gas_is_the_same_on_processes_and_after_a_snapshot() {
     }
 }
 
-/// Three beads in a narrow channel weigh more than the pressure gradient carries: the gas stops, and the report says so.
+/// Three beads in a narrow channel weigh more than the pressure gradient carries. The gas stops; the report says so.
 #[test]
 fn a_report_says_that_the_gas_has_left_the_range_of_its_model() {
     let folder = tempfile::tempdir().unwrap();
@@ -286,7 +286,7 @@ fn a_report_says_that_the_gas_has_left_the_range_of_its_model() {
     }
 }
 
-/// Sums over uneven slices of a channel or a pipe: all momentum that particles take is taken from the gas.
+/// In a channel and a pipe, particles take unequal momentum in different slices; the gas loses exactly this momentum.
 #[test]
 fn uneven_slices_of_a_pipe_lose_no_momentum() {
     let pipe = ChannelFlow::solve_pipe(15.75, 0.04, 1.5e-5, None).unwrap();
@@ -310,8 +310,8 @@ fn uneven_slices_of_a_pipe_lose_no_momentum() {
     }
 }
 
-/// Where particles leave a slice, gas enters with the velocity of the slice from which it comes. So in a step that is too
-/// short for friction, no velocity leaves the range of its neighbours.
+/// Gas enters a slice that particles leave with the velocity of the neighbouring slice. In a step too short for
+/// friction, the new velocity in a cell thus stays within the range of the cell and its neighbours before.
 #[test]
 fn gas_that_makes_room_keeps_its_velocity() {
     let alone = flow(TurbulenceModel::WallFunctions);
@@ -335,8 +335,8 @@ fn gas_that_makes_room_keeps_its_velocity() {
     }
 }
 
-/// The damping 2 r k St/(1 + St) uses the integral time (k/ε)/(1/2 + 3/4 C_0) of the case's own constant C_0, St = τ over
-/// this time: in a short step the changes of ln k are in the ratio of St/(1 + St).
+/// Particles with the response time τ damp k at the rate 2 r k St/(1 + St) (exchange rate r). St is τ over the
+/// integral time (k/ε)/(1/2 + 3/4 C_0) with the constant C_0 of the case, so St/(1 + St) changes with C_0.
 #[test]
 fn turbulence_is_damped_by_the_constants_of_the_case() {
     let alone = flow(TurbulenceModel::WallFunctions);
@@ -370,8 +370,8 @@ fn turbulence_is_damped_by_the_constants_of_the_case() {
     assert_eq!(own, default.with_langevin(constants));
 }
 
-/// Particles of the response time of eddies damp ε 1.2 times as fast as k: in a short step the logarithms of both change in
-/// this ratio, beside a gas that is not damped.
+/// Compared with a gas that is not damped, particles lower the logarithm of ε in a short step 1.2 times as much as
+/// that of k (turbulent kinetic energy k, dissipation rate ε). Slip increases the damping.
 #[test]
 fn dissipation_is_damped_faster_than_turbulence() {
     let alone = flow(TurbulenceModel::WallFunctions);
@@ -402,7 +402,7 @@ fn dissipation_is_damped_faster_than_turbulence() {
     close("rate of damping", (k - crossing_k) / 1e-5, wanted, 2e-3 * wanted);
 }
 
-/// Turbulence that particles see is that of the present gas, which they have changed.
+/// The turbulence that particles see is that of the present gas, not that of the gas before the particles changed it.
 #[test]
 fn particles_see_the_turbulence_of_the_present_gas() {
     let experiment = case(CHANNEL, Model::Hard, &["fluid.turbulence.langevin={}"]).unwrap();
@@ -434,8 +434,8 @@ fn the_gas_fills_the_channel_and_the_pipe() {
     close("pipe", volume(&pipe) / (std::f64::consts::PI * 0.02_f64.powi(2) * 0.02), 1.0, 1e-9);
 }
 
-/// `fluid --after` draws the gas of a finished run beside the gas alone, and refuses the run of another gas and a folder
-/// without a table of the gas.
+/// `fluid --after` draws the gas of a finished run beside the gas alone. It refuses the run of another gas, and a
+/// folder without a table of the gas.
 #[test]
 fn the_gas_is_drawn_before_and_after() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! Contact time in a dense group of spheres. Impacts that are in progress when the engine changes its way of stepping.
+//! Contact time (time after a collision in which further collisions are elastic) in a dense group of spheres. Impacts
+//! that are in progress when the engine changes its way of stepping.
 
 use crate::support::*;
 use diptych::contact_law::ContactLaw;
@@ -20,7 +21,8 @@ struct BruteForce {
     last: Vec<f64>,
     contact_time: f64,
     restitution: f64,
-    /// [J] energy that the elastic collisions would have lost, and energy lost in the other collisions.
+    /// [J] `kept`: energy that the elastic collisions would have lost with the given restitution. `lost`: energy lost
+    /// in the other collisions.
     kept: f64,
     lost: f64,
     collisions: u64,
@@ -148,7 +150,7 @@ fn a_crowd_that_is_handed_over_counts_every_impact() {
 }
 
 /// Two species of spheres in a stream of gas, initially at rest. The gas accelerates the small spheres sooner.
-/// Collisions transfer their momentum to the large spheres, in either model.
+/// Collisions transfer their momentum to the large spheres, both with soft and with hard spheres.
 #[test]
 fn a_mixture_in_a_gas_shares_momentum() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/inputs/mixture-in-gas.toml"));

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 const STIFFNESS: f64 = 1e4;
 
-/// Spheres of unit diameter and mass in a periodic cube, e = 0.9, without friction.
+/// Spheres of unit diameter and mass in a periodic cube, with the restitution 0.9 and without friction.
 fn crowd(count: usize, fraction: f64) -> (Scene, Particles) {
     let scene = empty([edge(count, 1.0, fraction); 3], [true; 3], unit(), surface(0.9, 0.0));
     let start = random(&scene, count, 1.0, 5);
@@ -78,7 +78,8 @@ fn dense_steps_of_spheres_that_differ_in_restitution_alone_are_those_of_all_pair
     compare_with_all_pairs(&scene, &start);
 }
 
-/// Runs a start in uniform steps, in few windows and in many, and compares with [`all_pairs`].
+/// Runs a start in uniform steps (equal time steps for all particles), in few windows (pieces of the run) and in many.
+/// Compares the final positions with those of [`all_pairs`].
 fn compare_with_all_pairs(scene: &Scene, start: &Particles) {
     // a contact detected one step late changes a velocity by k δ dt, about 1e-3; a rounding error grows tenfold per
     // collision, and each sphere has two or three collisions

@@ -35,7 +35,8 @@ fn log_normal() -> SizeDistribution {
     SizeDistribution::LogNormal { median: 4e-4, geometric_deviation: 1.6, from: 1.5e-4, to: 1.2e-3 }
 }
 
-/// Mean of the diameter to the power k, by Simpson's rule over the density of ln d.
+/// Mean of the diameter to the power k, by Simpson's rule over the logarithm of the diameter, which is normally
+/// distributed between two limits.
 fn by_quadrature(k: i32) -> f64 {
     const STRIPS: usize = 2000;
     let (low, high, width) = (1.5e-4_f64.ln(), 1.2e-3_f64.ln(), 1.6_f64.ln());
@@ -299,7 +300,7 @@ fn what_cannot_be_is_refused() {
     assert!(case(&at, Model::Hard, &[]).unwrap_err().contains("all of \"sand\" have the same"));
 }
 
-/// The key `sizes` of the case overrides the single size in a set of values.
+/// The key `sizes` of the case, a distribution of diameters, overrides the single diameter in a set of values.
 #[test]
 fn sizes_override_the_diameter_of_a_model() {
     let text = GAS.replace("density = \"2500 kg/m^3\"\n", "use = \"particles/polystyrene-406um\"\n");

@@ -7,8 +7,9 @@ use diptych::placement::initial_state;
 use diptych::simulation::Simulation;
 use std::path::Path;
 
-/// Flow rate [kg/s] by Beverloo, Leniger and van de Velde 1961, Chem. Eng. Sci. 15, 260: W = C ρ_b sqrt(g) (D - k
-/// d)^2.5. Here C = 0.58, k = 1.4, and the bulk density ρ_b is 0.6 of the density of the beads.
+/// Flow rate [kg/s] of beads of diameter d through a hole of diameter D by Beverloo, Leniger and van de Velde 1961,
+/// Chem. Eng. Sci. 15, 260: W = C ρ_b sqrt(g) (D - k d)^2.5. Here C = 0.58, k = 1.4, g is gravity, and the bulk
+/// density ρ_b is 0.6 of the density of the beads.
 fn beverloo(hole: f64) -> f64 {
     0.58 * 0.6 * 2500.0 * 9.81_f64.sqrt() * (hole - 1.4 * 2e-3).powf(2.5)
 }
@@ -20,7 +21,8 @@ fn case(model: Model, sets: &[&str]) -> Simulation {
     Simulation::new(&experiment, initial_state(&experiment).unwrap())
 }
 
-/// [kg/s] measured flow rate from 0.3 s to `until` [s]: momentum over the height of the box.
+/// [kg/s] measured flow rate from 0.3 s to `until` [s]: mean momentum of the beads along the fall, divided by the
+/// height of the box. `scale` is a factor on the size of the vessel and its hole.
 fn rate(model: Model, scale: f64, until: f64) -> f64 {
     let mut simulation = case(model, &[&format!("walls[1].mesh.scale={scale}")]);
     simulation.run(50, 6e-3).unwrap();
@@ -33,8 +35,9 @@ fn rate(model: Model, scale: f64, until: f64) -> f64 {
     sum / samples
 }
 
-/// The flow rate of beads that do not rotate is between half and all of Beverloo's law, since it corresponds to a
-/// larger k. Soft and hybrid spheres have equal rates. A run of hard spheres stops when beads come to rest.
+/// The flow rate of beads that do not rotate is between half and all of Beverloo's law with k = 1.4, since these beads
+/// flow as by a larger k. Soft and hybrid spheres have equal rates. A run of hard spheres stops when beads come to
+/// rest.
 #[test]
 #[ignore = "minutes: 3000 beads for a second, four times"]
 fn flow_rates_follow_beverloo() {

@@ -9,7 +9,8 @@ use diptych::scene::Scene;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// Unit spheres on a line with given gaps between surfaces. They move like points in one dimension.
+/// Unit spheres on a line, which move like points in one dimension. Differences of `points` [m] are the gaps between
+/// their surfaces, and `speeds` [m/s] are their velocities.
 fn line(restitution: f64, points: &[f64], speeds: &[f64]) -> (Scene, Particles) {
     let scene = empty([64.0; 3], [false; 3], unit(), surface(restitution, 0.0));
     let list: Vec<_> = points
@@ -96,7 +97,7 @@ fn simultaneous_touches_on_a_line_are_reproducible() {
     }
 }
 
-/// A small sphere of the paper with its surface `height` [m] above a floor.
+/// A small sphere of the paper (docs/paper.md) with its surface `height` [m] above a floor.
 fn bouncing(restitution: f64, height: f64) -> (Scene, Particles) {
     let mut scene = empty([0.1; 3], [false; 3], small(), surface(1.0, 0.0));
     scene.gravity = Vector3::new(0.0, -9.81, 0.0);
@@ -216,7 +217,7 @@ fn newtons_cradle_soft() {
     }
 }
 
-/// A gas of 1000 unit spheres at phi = 0.05 and T = 1.
+/// A gas of 1000 unit spheres at the volume fraction 0.05 and the granular temperature 1 m²/s².
 fn gas(restitution: f64, seed: u64) -> (Scene, Particles) {
     let edge = edge(1000, 1.0, 0.05);
     let scene = empty([edge; 3], [true; 3], unit(), surface(restitution, 0.0));
@@ -224,7 +225,8 @@ fn gas(restitution: f64, seed: u64) -> (Scene, Particles) {
     (scene, particles)
 }
 
-/// ln(T/T0) at the times at which the number of collisions per particle reaches each of `taus`.
+/// Values of ln(T/T0) [-] at the instants at which the number of collisions per particle reaches each of `taus`. T is
+/// the granular temperature, and T0 its value at the start.
 fn cooling(mut simulation: Simulation, taus: &[f64]) -> Vec<f64> {
     let start = temperature(&simulation.particles);
     taus.iter()

@@ -209,7 +209,8 @@ fn engines_do_not_know_each_other_and_one_file_knows_each_foreign_library() {
     }
 }
 
-/// The code of engines, islands and uniform steps is that for one process.
+/// Only the folder `distributed` of the engines has code for several processes. Elsewhere, the code of engines,
+/// islands and uniform steps is that for one process.
 #[test]
 fn one_folder_of_the_engines_knows_other_processes() {
     let is_elsewhere =

@@ -1,5 +1,5 @@
-//! One run divided into domains, with threads in place of processes. The results must not depend on the order of the
-//! particle store.
+//! One run divided into domains (blocks of the box, one per process), with threads in place of processes. The results
+//! must not depend on the order of the particle store.
 
 mod uniform;
 
@@ -216,8 +216,8 @@ fn air() -> Fluid {
     Fluid::new(1.2, 1.5e-5, Profile::Uniform(0.5), Some(Drag::SchillerNaumann(SchillerNaumann)))
 }
 
-/// Records of observers of a part and of all particles, in a run that `size` threads share in place of processes.
-/// `None` means a run of one process.
+/// Records of observers of some and of all particles, in a run that `size` threads share in place of processes. `None`
+/// means a run of one process.
 fn glances(
     size: Option<usize>,
     (scene, start): &(Scene, Particles),
@@ -258,8 +258,8 @@ fn who_looks_at_a_shared_run_sees_what_one_process_shows() {
     }
 }
 
-/// Sums over all particles at each sample, as recorded in the lead of `size` processes. `None` means a run of one
-/// process.
+/// Sums over all particles at each sample (instant of measurement), as the first of `size` processes records them.
+/// `None` means a run of one process.
 fn sums(
     size: Option<usize>,
     (scene, start): &(Scene, Particles),
@@ -332,7 +332,8 @@ fn sums_over_the_parts_of_a_shared_run_are_those_of_one_process() {
     }
 }
 
-/// Observer that records the number of particles in each process at samples, in the order of its calls.
+/// Observer that records, in the order of its calls, the number of particles of a process at a sample (instant of
+/// measurement).
 #[derive(Clone, Default)]
 struct Heads(Arc<Mutex<Vec<usize>>>);
 
@@ -377,7 +378,8 @@ fn a_shared_run_is_cut_anew_where_particles_gather() {
     assert!(uneven.contains(&true) && !uneven.windows(2).any(|two| two == [true, true]), "{heads:?}");
 }
 
-/// Counters that do not depend on how a run is shared; the number of examined pairs is left out because it does.
+/// Counters that do not depend on the number of processes that share a run. The number of examined pairs does depend
+/// on it, and is set to 0.
 fn counts(counters: &Counters) -> Counters {
     Counters { pair_checks: 0, ..*counters }
 }

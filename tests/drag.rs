@@ -1,7 +1,8 @@
 //! Drag laws against independent integrations (oracle F, section F of the catalogue of reference values), and as
 //! half-kicks of a Strang splitting.
 //!
-//! Particles S (406 um, 1038 kg/m³) and L (1.5 mm, 1032 kg/m³) are the paper's, in its air, without buoyancy.
+//! Particles S (406 um, 1038 kg/m³) and L (1.5 mm, 1032 kg/m³) are those of the paper (docs/paper.md), in its air,
+//! without buoyancy.
 
 use diptych::drag::{Drag, SchillerNaumann, Sphere};
 use diptych::fluid::{Fluid, Profile};
@@ -31,8 +32,8 @@ fn close(value: f64, reference: f64, relative: f64, what: &str) {
     assert!((value / reference - 1.0).abs() < relative, "{what}: {value} against {reference}");
 }
 
-/// Velocity of a particle that starts with `velocity` in a uniform gas, after repeated kick(h/2), drift(h) with
-/// gravity, and kick(h/2).
+/// Velocity of a particle that starts with `velocity` in a uniform gas. In each window of length h, drag acts for h/2
+/// (kick), the particle flies for h under gravity (drift), and drag acts for h/2 again.
 fn strang(
     sphere: &Sphere,
     gas: [f64; 2],

@@ -24,7 +24,7 @@ fn engine(settings: DsmcSettings, seed: u64) -> Box<dyn Engine> {
 /// Settings of collisions by chance with one cell that contains all particles.
 const ONE_CELL: DsmcSettings = DsmcSettings { enskog: true, cells: Some([1; 3]), step: 0.2 };
 
-/// Unit spheres in a periodic cube with the volume fraction `phi`, at T = 1.
+/// Unit spheres in a periodic cube with the volume fraction `phi`, at the granular temperature T = 1 m²/s².
 fn cube(count: usize, phi: f64, restitution: f64, seed: u64) -> (Scene, Particles) {
     let scene = empty([edge(count, 1.0, phi); 3], [true; 3], unit(), surface(restitution, 0.0));
     let mut particles = random(&scene, count, 1.0, seed);
@@ -33,8 +33,8 @@ fn cube(count: usize, phi: f64, restitution: f64, seed: u64) -> (Scene, Particle
     (scene, particles)
 }
 
-/// Collision rate of a particle at T = 1 with the contact value g, by kinetic theory (Chapman and Cowling 1970, 5.21,
-/// and 16.2 with g).
+/// Collision rate of a particle at the granular temperature 1 m²/s² with the contact value `g`, by kinetic theory
+/// (Chapman and Cowling 1970, 5.21, and 16.2 with g).
 fn rate_of(phi: f64, g: f64) -> f64 {
     24.0 * phi * g / PI.sqrt()
 }
@@ -44,9 +44,9 @@ fn carnahan_starling(phi: f64) -> f64 {
     (1.0 - 0.5 * phi) / (1.0 - phi).powi(3)
 }
 
-/// Number of collisions per particle in a gas at equilibrium, over that of kinetic theory for the same number of
-/// particles, minus 1. Each particle collides ten times before the measurement. The measurement lasts until there are
-/// about `collisions` collisions of all particles. Windows are `window` mean free times long.
+/// Measured collision rate of a particle in a gas at equilibrium, divided by the rate `rate` of kinetic theory, minus
+/// 1. Each particle collides ten times before the measurement. The measurement lasts until there are about
+/// `collisions` collisions of all particles. Windows (pieces of the run) are `window` mean free times long.
 fn excess(
     scene: &Scene,
     particles: Particles,
@@ -143,7 +143,7 @@ fn haff_s_law_and_a2() {
     }
 }
 
-/// Unit spheres in a slit between two planes, at T = 1.
+/// Unit spheres in a slit between two planes, at the granular temperature 1 m²/s².
 fn slit(count: usize, size: [f64; 3]) -> (Scene, Particles) {
     let wall = surface(1.0, 0.0);
     let mut scene = empty(size, [true, false, true], unit(), wall);
@@ -439,7 +439,8 @@ fn a_start_may_overlap_pairs_but_not_walls() {
 }
 
 /// A gas without collisions around a ball in a periodic box. A particle flies over hundreds of boxes in the longest
-/// window, and meets the images of the ball as often as in short windows; four standard errors of both counts are allowed.
+/// window (piece of the run). It meets the images of the ball as often as in short windows; four standard errors of
+/// both counts are allowed.
 #[test]
 fn images_of_a_body_are_met_in_windows_of_any_length() {
     const BALL: &str = r#"
@@ -468,8 +469,8 @@ fn images_of_a_body_are_met_in_windows_of_any_length() {
     close("impacts in long windows", long / short, 1.0, 4.0 * (2.0 / short).sqrt());
 }
 
-/// In the cells that the program chooses for a thin ring, the mean flow varies by more than the agitation: a note says so,
-/// and thinner cells have none.
+/// The cells that the program chooses for a sheared ring of particles are so thick that the mean flow varies in a cell
+/// by more than the agitation. A note says so; with thinner cells there is no note.
 #[test]
 fn cells_too_thick_for_the_shear_are_told() {
     let folder = tempfile::tempdir().unwrap();

@@ -73,7 +73,7 @@ fn case(wall: &str, particles: &str, rest: &str) -> String {
 
 const MESH: &str = "mesh = { file = \"made.stl\", unit = \"1 mm\" }";
 
-/// Runs a case with a file of these triangles in its folder.
+/// Runs the case `text` with a file of the `triangles` in its folder.
 fn run(triangles: &[Triangle], text: &str, sets: &[&str]) -> (Outcome, Particles) {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("made.stl"), stl(triangles)).unwrap();

@@ -229,8 +229,8 @@ fn check_says_that_no_start_was_found() {
     assert!(why.to_string().contains("there is no random start: the particles fill 1.454e11"), "{why}");
 }
 
-/// A file for which the memory is not free is not read: its size is in the message. An empty place on disk of 4 TiB, which
-/// takes no room, stands for it.
+/// A file that is larger than the free memory is not read, and its size is in the message. The file is sparse: it has
+/// a length of 4 TiB, but takes no room on the disk.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_file_longer_than_the_free_memory_is_not_read() {

@@ -16,8 +16,8 @@ pub enum Expected {
     Refused(&'static [&'static str]),
 }
 
-/// Reads the case `text` with a file of this name and these bytes in its folder. Returns the experiment and its
-/// warnings, or the message.
+/// Reads the case `text` with a file in its folder, which has the given name and bytes. Returns the experiment and its
+/// warnings, or the message of the error.
 pub fn read(name: &str, bytes: &[u8], text: &str, model: Model) -> Result<(Experiment, Vec<String>), String> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join(name), bytes).unwrap();
@@ -28,8 +28,8 @@ pub fn read(name: &str, bytes: &[u8], text: &str, model: Model) -> Result<(Exper
     read.map(|(experiment, warnings)| (experiment, told(warnings))).map_err(|error| error.to_string())
 }
 
-/// Compares the result of reading a file with the expected result. The result is a number of triangles or particles and
-/// warnings, or a message.
+/// Compares the result of reading a file with the expected result. The result is a number of triangles or particles
+/// with warnings, or the message of an error.
 pub fn judge(what: &str, found: &Result<(usize, Vec<String>), String>, expected: &Expected) {
     match (found, expected) {
         (Ok((count, told)), Expected::Read(wanted, parts)) => {

@@ -44,25 +44,26 @@ stiffness_ratio = 0.2857
 duration = "5 s"
 "#;
 
-/// Case of a slope with changes.
+/// Experiment of the case [`SLOPE`] with the changes of keys `sets`.
 fn slope(sets: &[&str]) -> Experiment {
     case(SLOPE, Model::Hard, sets).unwrap()
 }
 
-/// Floor of a scene and the obstacles to hard spheres, as text.
+/// Floor on which particles of a scene come to rest (`None` without one), and the reasons against hard spheres, as
+/// text.
 fn floor(experiment: &Experiment) -> (Option<Rest>, String) {
     let found = Obstacles::of(experiment, &initial_state(experiment).unwrap());
     let against = found.against_hard(experiment).join("\n");
     (found.rest, against)
 }
 
-/// Component of gravity along the floor, in m/s²; 9 m/s² press the beads onto it.
+/// Key of a case for gravity: `pull` [m/s²] along the floor, and 9 m/s² that press the beads onto the floor.
 fn along(pull: f64) -> String {
     format!("gravity.acceleration=[\"0 m/s^2\", \"-9 m/s^2\", \"{pull} m/s^2\"]")
 }
 
-/// With a friction coefficient of 0.5, spheres that do not rotate slide from 4.5 m/s² on. Spheres that rotate roll on any
-/// slope, unless rolling friction holds them.
+/// With a friction coefficient of 0.5, spheres that do not rotate slide if gravity along the floor exceeds 4.5 m/s².
+/// Spheres that rotate roll on any slope, unless rolling friction holds them.
 #[test]
 fn gravity_along_a_floor_keeps_beads_moving() {
     let rotation = "contact.rotation=true";
@@ -87,8 +88,8 @@ fn gravity_along_a_floor_keeps_beads_moving() {
     }
 }
 
-/// Gravity drives a flow between rough walls, along which it pulls. Between smooth walls the beads fall together. Beads
-/// between the ends of a slope come to rest, and those that leave at an outlet do not.
+/// Gravity along rough walls drives a flow between them. Between smooth walls the beads fall together, without a
+/// driven flow. Beads between the ends of a slope come to rest; beads that leave through an outlet do not.
 #[test]
 fn gravity_drives_where_something_holds_back_and_nothing_ends() {
     let vertical = "gravity.acceleration=[\"0 m/s^2\", \"0 m/s^2\", \"-9.81 m/s^2\"]";
@@ -112,7 +113,8 @@ const WATER: [&str; 6] = [
     "particles[0]={ name = \"bead\", diameter = \"1 mm\", density = \"500 kg/m^3\", at = [{ position = [\"5 mm\", \"14.5 mm\", \"5 mm\"] }] }",
 ];
 
-/// A light bead rises to the lid. The plan gives upper limits of its speed there, which drag limits, and of its time.
+/// A light bead rises to the lid. The plan gives upper limits of the time until then, and of the speed at the lid,
+/// which drag limits.
 #[test]
 fn a_light_bead_rises_to_the_lid_at_its_settling_speed() {
     let bead = slope(&WATER);

@@ -320,7 +320,7 @@ fn the_simulated_gas_is_that_of_its_source() {
     assert!((bulk / BULK - 1.0).abs() < 2e-4, "{bulk}");
 }
 
-/// Logarithmic law of a case, and its scale at the wall.
+/// Logarithmic law: its friction velocity, its viscous length at the wall, and its mean and largest velocity.
 #[test]
 fn a_logarithmic_law_knows_its_wall() {
     let law = LogLaw::with_friction_velocity(0.80, HEIGHT, VISCOSITY, LogConstants::default()).unwrap();

@@ -10,7 +10,7 @@ use diptych::particles::Particles;
 use diptych::schedule::Schedule;
 use std::f64::consts::PI;
 
-/// Number of columns along each edge, which are 1 m wide.
+/// [m] length of each edge of the floor, which is also the number of columns of 1 m along it.
 const EDGE: usize = 60;
 
 const FLAT: FreeSurfaceSettings = FreeSurfaceSettings { up: (1, 1.0), spacing: 1.0, smoothing: 0.0 };
@@ -24,7 +24,8 @@ fn layer(periodic: bool) -> Experiment {
     layer
 }
 
-/// One sphere of diameter 1 in each column, whose highest point is at `height` of the middle of the column.
+/// One sphere of diameter 1 m in each column of the floor. `height` [m] of the middle of the column is the highest
+/// point of its sphere.
 fn with_heights(height: impl Fn(f64, f64) -> f64) -> Particles {
     let mut state = Particles::default();
     for x in (0..EDGE).map(|k| k as f64 + 0.5) {
@@ -40,7 +41,8 @@ fn seen(experiment: &Experiment, settings: FreeSurfaceSettings, state: Particles
     of_states(experiment, measurement, [state])
 }
 
-/// Sum of waves of amplitude 0.5 m with the numbers of periods along x and z.
+/// Height [m] as a sum of waves of amplitude 0.5 m. Each entry of `numbers` has the numbers of periods of a wave along
+/// x and z.
 fn waves(numbers: &[[f64; 2]]) -> impl Fn(f64, f64) -> f64 {
     move |x, z| {
         let phase = |[along_x, along_z]: &[f64; 2]| 2.0 * PI * (along_x * x + along_z * z) / EDGE as f64;
@@ -73,7 +75,8 @@ fn waves_have_their_wavelength_and_symmetry() {
     }
 }
 
-/// Columns that are high and low in turn have the shortest wave, which the transform gives only once.
+/// If columns are high and low in turn, the surface has the shortest wave. The Fourier transform contains this wave
+/// only once, not as a pair.
 #[test]
 fn the_shortest_wave_is_counted_once() {
     for along_x in [true, false] {

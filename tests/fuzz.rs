@@ -119,8 +119,8 @@ fn lines(bytes: &mut Vec<u8>, others: &[String], draw: &mut Xoshiro256PlusPlus) 
     *bytes = lines.join(&b'\n');
 }
 
-/// Readers, and the number of inputs for each among a thousand. A whole case takes milliseconds, a quantity a
-/// microsecond.
+/// Readers that are tested, each with its number of inputs in a thousand. Reading a whole case takes milliseconds,
+/// reading a quantity a microsecond.
 const READERS: [(&str, u64); 13] = [
     ("quantity", 273),
     ("start.csv", 15),

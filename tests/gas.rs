@@ -9,7 +9,7 @@ use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Unit spheres in a periodic cube with the volume fraction `phi`, at T = 1.
+/// Unit spheres in a periodic cube with the volume fraction `phi`, at the granular temperature 1 m²/s².
 fn cube(count: usize, phi: f64, seed: u64) -> (Scene, Particles) {
     let scene = empty([edge(count, 1.0, phi); 3], [true; 3], unit(), surface(1.0, 0.0));
     let mut particles = random(&scene, count, 1.0, seed);
@@ -18,7 +18,7 @@ fn cube(count: usize, phi: f64, seed: u64) -> (Scene, Particles) {
     (scene, particles)
 }
 
-/// Mean and standard error.
+/// Mean of the values and its standard error.
 fn mean(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -26,8 +26,9 @@ fn mean(values: &[f64]) -> (f64, f64) {
     (mean, (variance / n).sqrt())
 }
 
-/// Collision rate per particle, Z - 1 from the virial, and kinetic temperature, each with its standard error from ten
-/// blocks. Each particle has `equilibrate` collisions before the measurement and `measure` collisions during it.
+/// Collision rate per particle, compressibility factor minus 1 from the virial of the collisions, and kinetic
+/// temperature, each with its standard error from ten blocks of time. Each particle has `equilibrate` collisions
+/// before the measurement and `measure` collisions during it.
 fn rates(
     scene: &Scene,
     particles: Particles,
@@ -80,7 +81,8 @@ fn collision_rate_and_pressure_of_hard_spheres() {
     }
 }
 
-/// Collision rate of Carnahan and Starling at T = 1, for spheres of diameter d in place of unit spheres at `phi`.
+/// Collision rate of a particle at the granular temperature 1 m²/s² by Carnahan and Starling. Spheres of diameter `d`
+/// replace unit spheres that have the volume fraction `phi`.
 fn rate_of(phi: f64, d: f64) -> f64 {
     let phi = phi * d.powi(3);
     let contact = (1.0 - 0.5 * phi) / (1.0 - phi).powi(3);

@@ -1,5 +1,5 @@
-//! Openings in closed form: the sums over the particles that pass, ids of starts with gaps, and a gate that opens at a
-//! time.
+//! Inlets and outlets against closed forms: sums over the particles that pass an outlet, ids of starts with gaps, and
+//! a gate that opens at a time.
 
 use crate::support::*;
 use diptych::Vector3;
@@ -16,8 +16,8 @@ fn end(z: f64) -> Outlet {
     Outlet { name: "end".into(), shape: OutletShape::Behind(plane) }
 }
 
-/// Two spheres fall freely and pass the outlet in different windows; a third one stays. All sums are those of the states at
-/// the ends of the windows in which the spheres pass.
+/// Two spheres fall freely and pass the outlet in different windows (pieces of the run); a third one stays. All sums
+/// are those of the states at the ends of the windows in which the spheres pass.
 #[test]
 fn an_outlet_sums_what_passes_it() {
     let g = Vector3::new(0.3, -0.2, 0.5);
@@ -91,8 +91,8 @@ fn ids_of_new_particles_are_above_those_of_the_start() {
     assert_eq!(ids(&[7, u32::MAX - 1]), [7, u32::MAX - 1, u32::MAX]);
 }
 
-/// A sphere that has just crossed a periodic side is in an outlet at the other side, although its stored position is still
-/// beyond the side it has crossed.
+/// A sphere that has just crossed a periodic side is in an outlet at the other side, although its stored position is
+/// still beyond the side it has crossed.
 #[test]
 fn an_outlet_takes_what_has_crossed_a_periodic_side() {
     let scene = empty([10.0, 10.0, 10.0], [true, true, false], unit(), surface(1.0, 0.0));
@@ -106,8 +106,8 @@ fn an_outlet_takes_what_has_crossed_a_periodic_side() {
     assert_eq!(simulation.particles.id, [1]);
 }
 
-/// A gate moves away at 1.5 s. A sphere that reaches it 0.01 s before comes back, and one that reaches it 0.02 s after that
-/// time leaves.
+/// A gate moves away at 1.5 s. A sphere that reaches it 0.01 s before this time comes back; a sphere that reaches it
+/// 0.02 s after this time leaves.
 #[test]
 fn a_gate_opens_at_its_time() {
     let soft: fn() -> Box<dyn Engine> = || soft(4e6, 5e-6, diptych::experiment::Integrator::VelocityVerlet);

@@ -61,8 +61,8 @@ fn sheet(x: f64) -> [[Vector3<f64>; 3]; 2] {
     [[corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0)], [corner(0.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)]]
 }
 
-/// Runs one sphere from `start` [m] for half a second with both ways of stepping. Returns the force of the walls [N] in
-/// the last tenth of a second, and the final position [m].
+/// Runs one sphere from `start` [m] for half a second, once with local and once with uniform time steps. Each entry
+/// has the force of the walls [N] in the last tenth of a second, and the final position [m].
 fn rests(scene: &Scene, start: Vector3<f64>, what: &str) -> Vec<(Vector3<f64>, Vector3<f64>)> {
     let dt = step(scene);
     let engines: [(&str, Box<dyn Engine>); 2] = [
@@ -145,8 +145,8 @@ fn held_in_balance(shapes: u32) {
     }
 }
 
-/// Press fits. Only the ends of a tube could stop a sphere along its axis. Within the tube, a slightly wider sphere
-/// falls freely, near the axis.
+/// A sphere is slightly wider than the tube around it. Only the ends of a tube could stop a sphere along the axis, so
+/// this sphere falls freely, near the axis.
 #[test]
 fn a_sphere_wider_than_its_tube_falls_through_it() {
     let (diameter, gravity) = (0.005, Vector3::new(0.3, 0.0, -9.81));
@@ -170,7 +170,8 @@ fn a_sphere_wider_than_its_tube_falls_through_it() {
     }
 }
 
-/// Two sheets with a distance smaller than the diameter of the sphere, such as both faces of the wall of a silo.
+/// A sphere between two sheets whose distance is smaller than its diameter, such as the two faces of the wall of a
+/// silo.
 #[test]
 fn a_sphere_between_two_sheets_is_held() {
     for narrow in [1e-4, 1e-3, 5e-3] {
@@ -241,7 +242,8 @@ fn what_friction_holds_does_not_creep() {
     }
 }
 
-/// Above the angle of friction, the sphere slides with the acceleration g_t - μ g_n.
+/// Above the angle of friction, the sphere slides with the acceleration g_t - μ g_n: gravity along the plane, minus
+/// the friction coefficient times gravity normal to the plane.
 #[test]
 fn what_friction_does_not_hold_slides() {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/inputs/incline.toml")).unwrap();

@@ -12,12 +12,13 @@ use diptych::study::{execute, plan_of};
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Polystyrene, softened by a factor of a hundred, so that overlaps are as large as in the paper.
+/// Contact law of polystyrene, softened by a factor of a hundred, so that overlaps are as large as in the paper
+/// (docs/paper.md).
 const SOFTENED: ContactLaw =
     ContactLaw::Hertz(Hertz { elasticity: Elasticity { youngs_modulus: 30e6, poissons_ratio: 0.3 } });
 
-/// Head-on impact at a relative speed [m/s]: realised restitution, and duration and largest overlap over those of
-/// theory.
+/// Head-on impact at a relative speed [m/s]: restitution in the run, then duration and largest overlap, both divided
+/// by those of theory.
 fn impact(restitution: f64, speed: f64, steps: f64, stepping: SoftStepping) -> [f64; 3] {
     let scene = empty([4e-3; 3], [false; 3], small(), surface(restitution, 0.0));
     let gap = 1e-6;
@@ -43,8 +44,8 @@ fn impact(restitution: f64, speed: f64, steps: f64, stepping: SoftStepping) -> [
 /// overlap.
 ///
 /// The viscous force begins as the fourth root of the overlap, and therefore of time. A step that begins at the touch
-/// misses a part of its impulse. This part is of order 1 + 1/4 in the step, for any order of the method. At N_c = 200
-/// it is 2e-4 for e = 0.5.
+/// misses a part of its impulse. This part is of order 1 + 1/4 in the step, for any order of the method. With 200
+/// steps per contact and the restitution 0.5 it is 2e-4.
 #[test]
 fn single_impacts_are_those_of_theory() {
     for restitution in [1.0, 0.9, 0.5] {
@@ -92,8 +93,8 @@ fn a_wall_may_have_its_own_elasticity() {
     assert!((rigid.stiffness / alike.stiffness - 2.0).abs() < 1e-8);
 }
 
-/// `plan` and the engine use the same law: predicted overlaps are those of the run, within 8 % (oblique contacts, and
-/// contacts of three bodies).
+/// The command `plan` and the engine use the same contact law. Predicted overlaps are those of the run within 8 %,
+/// which allows for oblique contacts and contacts of three bodies.
 #[test]
 fn a_gas_of_hertzian_spheres_is_planned_and_run() {
     let path = root().join("cases/dense-gas.toml");
@@ -125,7 +126,7 @@ fn a_gas_of_hertzian_spheres_is_planned_and_run() {
     }
 }
 
-/// The case of one impact has the numbers that its heading states.
+/// The case `cases/hertz.toml` of one impact gives the numbers that its heading states.
 #[test]
 fn the_case_of_one_impact() {
     let folder = tempfile::tempdir().unwrap();

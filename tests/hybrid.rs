@@ -11,17 +11,19 @@ use diptych::scene::Scene;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// Hybrid engine with stiffness k [N/m], time step dt [s] and clearance [-].
+/// Hybrid engine with stiffness k [N/m], time step dt [s], and clearance [-]: time for which no third body may come
+/// near an impact, divided by the contact time.
 fn hybrid(k: f64, dt: f64, clearance: f64) -> Box<dyn Engine> {
     Box::new(Hybrid::new(ContactLaw::linear(k), Integrator::VelocityVerlet, dt, clearance))
 }
 
-/// [s] duration of a contact of two of the paper's small spheres.
+/// [s] duration of a contact of two small spheres of the paper (docs/paper.md), with the stiffness `k` [N/m].
 fn contact_time(k: f64) -> f64 {
     std::f64::consts::PI * (0.5 * small().mass() / k).sqrt()
 }
 
-/// [-] momentum that the ledger does not explain, over the largest momentum that was transferred.
+/// [-] momentum that the ledger (sum of all known gains and losses) does not explain, divided by the largest momentum
+/// that was transferred.
 fn momentum_residual(simulation: &Simulation, before: Vector3<f64>) -> f64 {
     let ledger = &simulation.record.ledger;
     let given = ledger.gravity_impulse + ledger.wall_impulse + ledger.drag_impulse;
@@ -30,7 +32,8 @@ fn momentum_residual(simulation: &Simulation, before: Vector3<f64>) -> f64 {
     (simulation.particles.momentum() - before - given).norm() / scale
 }
 
-/// [-] energy that the ledger does not explain, over the energy at the start [J].
+/// [-] energy that the ledger (sum of all known gains and losses) does not explain, divided by the energy `before` [J]
+/// at the start.
 fn energy_residual(simulation: &Simulation, before: f64) -> f64 {
     simulation.record.ledger.residual(before, simulation.energy()) / simulation.record.ledger.through(before)
 }
@@ -129,7 +132,8 @@ fn a_ball_bounces_to_rest() {
     assert!(energy_residual(&done, 0.0).abs() < 1e-4, "{}", energy_residual(&done, 0.0));
 }
 
-/// Bed of three touching layers, with too many particles for one island of local stepping, below `gas` flying spheres.
+/// Bed of three touching layers below `gas` flying spheres. The bed has too many particles for one island (group of
+/// particles that may meet) of local time steps.
 fn gas_over_bed(gas: usize) -> (Scene, Particles) {
     let d = small().diameter;
     let (side, height) = (12.0 * d * (1.0 + 1e-6), 80.0 * d);

@@ -139,7 +139,7 @@ fn every_set_is_cited() {
     }
 }
 
-/// Oracle H: floor(φ V/V_p) is the N_p of Table 1.
+/// N_p in Table 1 of the paper: floor(φ V/V_p), with volume fraction φ, volume V of the box and V_p of a particle.
 #[test]
 fn numbers_of_particles_of_table_1() {
     for (name, wanted) in
@@ -380,7 +380,7 @@ fn what_runs_passes_the_check() {
     assert!(case.experiment(None, None).is_ok() && diptych::study::check_text(&case).is_err());
 }
 
-/// Result of reading the small case in a gas whose velocity is a table of these rows.
+/// Warnings or message of the small case in a gas whose velocity is a table with the given rows.
 fn in_tabulated_gas(rows: &str, sets: &[String]) -> Result<Vec<String>, String> {
     let place = tempfile::tempdir().unwrap();
     std::fs::write(place.path().join("gas.csv"), format!("y_m,U_m_s\n{rows}")).unwrap();

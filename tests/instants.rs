@@ -63,8 +63,8 @@ fn frames_come_at_the_times_asked_for_in_every_variant() {
     agree(&times(&place.path().join("series.csv"), "soft"), &times(&place.path().join("series.csv"), "hard"));
 }
 
-/// The pieces of a run follow one another to its end. They end at every window and every instant, and none is as short
-/// as a rounding error.
+/// The schedule cuts a run into pieces, which follow one another to its end. Each piece ends at the end of a window or
+/// at an instant (time at which all particles are written). None is as short as a rounding error.
 #[test]
 fn windows_are_cut_at_instants_only() {
     for (window, per_sample, samples, every) in [

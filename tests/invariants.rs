@@ -21,17 +21,19 @@ fn at_phi(count: usize, phi: f64, restitution: f64, friction: f64, seed: u64) ->
     (scene, particles)
 }
 
-/// Soft engine with k = 1e4 and N_c = 20 in reduced units.
+/// Soft engine with the stiffness 1e4 and 20 uniform steps per contact, for spheres of unit mass.
 fn stiff() -> Box<dyn Engine> {
     soft(1e4, PI * (0.5f64 / 1e4).sqrt() / 20.0, Integrator::VelocityVerlet)
 }
 
-/// Soft engine with k = 1e4, N_c = 20 and local stepping, in reduced units.
+/// Soft engine with the stiffness 1e4 and 20 local steps per contact (steps only for particles in contact), for
+/// spheres of unit mass.
 fn stiff_local() -> Box<dyn Engine> {
     local(1e4, PI * (0.5f64 / 1e4).sqrt() / 20.0, Integrator::VelocityVerlet)
 }
 
-/// Largest difference between two states: of positions by nearest image, and of velocities.
+/// Largest difference between two states, of the positions of a particle [m] (by nearest image) or of its velocities
+/// [m/s].
 fn apart(scene: &Scene, a: &Particles, b: &Particles) -> f64 {
     let x = a
         .position
@@ -171,8 +173,9 @@ fn boxes_of_a_few_diameters() {
     assert!(total > 100);
 }
 
-/// Instants at which two elastic unit spheres collide in a periodic cube, from their separation and relative velocity.
-/// All images are tested, in time intervals in which the spheres move by a quarter of a period.
+/// Times until `until` at which two elastic unit spheres collide in a periodic cube with edges `l`. They start with
+/// the separation `r` and the relative velocity `u`. All images are tested, in intervals in which the spheres move by
+/// a quarter of a period.
 fn brute_force_pair(mut r: Vector3<f64>, mut u: Vector3<f64>, l: f64, until: f64) -> Vec<f64> {
     let mut time = 0.0;
     let mut times = Vec::new();

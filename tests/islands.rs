@@ -196,8 +196,8 @@ fn local_stepping_gives_the_same_bits_for_any_number_of_threads() {
     }
 }
 
-/// In a dense gas, islands are tried in every window and given up again. This reorders the particle store, which must
-/// not affect the other algorithms.
+/// In a dense gas, islands (groups of particles that may meet) are tried in every window and given up again. This
+/// reorders the particle store, which must not affect the algorithms that are then used.
 #[test]
 fn islands_that_give_up_leave_no_trace() {
     let species = small();
@@ -279,7 +279,8 @@ fn islands_stay_away_from_a_crowd_and_serve_a_dilute_gas() {
     }
 }
 
-/// Eight spheres with crossing paths. Many islands are solved in vain before the members of all islands are found.
+/// Eight spheres with crossing paths. Many islands (groups of particles that may meet) are solved with too few
+/// members, and then again, before their members are all found.
 #[test]
 fn eight_that_crowd_together_meet_as_in_one_calendar() {
     let scene = empty([0.05; 3], [false; 3], small(), surface(1.0, 0.0));
@@ -327,8 +328,8 @@ fn two_of_different_islands_meet_after_each_was_struck() {
     }
 }
 
-/// With a contact time, a collision depends on the time of the last collision. This must hold after any algorithm that
-/// moves or reorders the particles.
+/// With a contact time, a collision is elastic if it follows the last collision of a sphere within this time. This
+/// must hold after any algorithm that moves or reorders the particles.
 #[test]
 fn collision_history_follows_the_particles() {
     // a cluster in a wide box; its gaps close within microseconds, so that over 200 spheres are in one island
@@ -368,9 +369,10 @@ fn collision_history_follows_the_particles() {
     assert!(engines[0].counters().islands > 100 && record.pairs.count > 1000);
 }
 
-/// With drag in every window, the cells of the search for islands decide which way is cheaper. In a dense mixture, the
-/// cells are as large as the largest sphere and contain many small ones, so that one event queue is cheaper. Spheres of
-/// one size stay in islands. Without drag, the event queue remains from window to window.
+/// With drag in every window (time between two drag kicks), the cells of the search for islands decide which algorithm
+/// is cheaper. In a dense mixture, the cells are as large as the largest sphere and contain many small ones, so that
+/// one event queue is cheaper. Spheres of one size stay in islands (groups that may meet). Without drag, the event
+/// queue remains from window to window.
 #[test]
 fn hard_spheres_take_the_cheaper_way() {
     let small = small();

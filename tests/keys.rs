@@ -85,7 +85,7 @@ duration = "1 ms"
 const SPRING: &str = "[soft.linear_spring_dashpot]\nstiffness = \"3000 N/m\"\n";
 const HERTZ: &str = "[soft.hertz]\nyoungs_modulus = \"1 GPa\"\n";
 
-/// Path of the keys of a table in [`FULL`].
+/// Path of the entry of [`FULL`] that contains the keys of a table, such as `walls[0].plane`.
 fn place(table: &str) -> String {
     let shapes = ["plane", "sphere", "cuboid", "cylinder", "box", "cone", "mesh"];
     let at = shapes.iter().position(|shape| table == format!("walls.{shape}"));
@@ -100,7 +100,7 @@ fn place(table: &str) -> String {
     }
 }
 
-/// Path of a table, with the first entry of each list.
+/// Path of a table in which every list has the index 0, such as `walls[0].motion`.
 fn indexed(table: &str) -> String {
     let is_list = |name: &str| tables().iter().any(|other| other.is_list && other.name == name);
     let (mut name, mut path) = (String::new(), String::new());
@@ -114,7 +114,7 @@ fn indexed(table: &str) -> String {
     path
 }
 
-/// Headings of a table, and `line` within this table.
+/// Text of a case with the headings of the lists around a table, the heading of the table, and `line` below it.
 fn with_line(table: &str, line: &str) -> String {
     let outer = tables()
         .iter()
@@ -131,7 +131,7 @@ fn read(text: &str) -> Result<CaseFile, String> {
     de::read(&tree).map_err(|why| why.diagnostic(&sources).to_string())
 }
 
-/// Message of the error when a text is resolved with a model; empty without an error.
+/// Message of the error when a case is resolved (all its values filled in) with a model; empty without an error.
 fn told(text: &str, sets: &[String], model: Option<Model>) -> String {
     let case = Case::from_text(Path::new("case.toml"), Arc::from(text), sets);
     case.and_then(|case| case.experiment(model, None)).err().map_or(String::new(), |why| why.to_string())
@@ -202,7 +202,7 @@ fn is_new(table: &str) -> bool {
     outer.iter().chain(&inner).any(|outer| table.starts_with(outer)) || table.contains(".restitution.")
 }
 
-/// Number outside of a range that is given in words.
+/// A number outside of a range that is given in words, such as "0 ..= 1". `whole` is true for a whole number.
 fn outside(range: &str, whole: bool) -> f64 {
     let number = |text: &str| text.trim().split(' ').next().unwrap().parse::<f64>().unwrap();
     match (range.split_once("..="), range.strip_prefix("up to ")) {

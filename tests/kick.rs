@@ -1,4 +1,4 @@
-//! The tabulated drag kick compared with the drag law.
+//! The drag kick (change of velocity by drag in a window) from a table, compared with the drag law.
 
 use crate::support::{hard, large, run, small, surface};
 use diptych::domain::Domain;
@@ -32,7 +32,7 @@ fn scattered(i: usize) -> f64 {
     (i as f64 * 0.618_033_988_749_895).fract()
 }
 
-/// Channel with both species and slip speeds from almost zero to that of the free stream.
+/// Particles of both species in a channel, with slip speeds from almost zero to that of the free stream.
 fn cloud(count: usize, profile: &Profile) -> Particles {
     let mut particles = Particles::default();
     for i in 0..count {

@@ -156,7 +156,7 @@ fn every_scene_starts_in_both_panels_and_goes_on() {
     lab.stop();
 }
 
-/// Fingerprints of the settings that determine the results of a scene.
+/// Fingerprints of the settings that determine the results of a scene, one for each of the two panels.
 fn prints(experiments: &[diptych::Experiment; 2]) -> [String; 2] {
     [0, 1].map(|side| fingerprint(&experiments[side]).unwrap())
 }
@@ -266,7 +266,8 @@ fn the_ends_of_every_slider_can_be_run() {
     }
 }
 
-/// Windows and samples follow the slider, so that the steps are nearly as long as it says.
+/// Windows and samples follow the slider of the step criterion θ, so that the time steps are nearly as long as this θ
+/// requires.
 #[test]
 fn stepped_spheres_run_at_the_theta_of_the_slider() {
     for theta in [0.03, 0.3, 1.0] {

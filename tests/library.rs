@@ -11,7 +11,7 @@ use diptych::triangles::TriangleFile;
 use diptych::{Domain, Scene, Species, Surface, Vector3};
 use std::path::Path;
 
-/// Experiment of a built-in case with drag, for 20 ms.
+/// Experiment of the built-in case `quick`, in which gas drags the particles, for 20 ms.
 fn blown(model: Model) -> Experiment {
     let sets = ["run.duration=20 ms", "particles[0].volume_fraction=2e-3", "statistics.sample_interval=3 ms"];
     let sets = sets.map(String::from);
@@ -19,7 +19,7 @@ fn blown(model: Model) -> Experiment {
     case.experiment(Some(model), None).unwrap().0
 }
 
-/// Checksum of the particles after the whole schedule, run as the program runs it.
+/// Checksum of the particles after all windows of the schedule, run as the program runs them.
 fn by_the_program(experiment: &Experiment) -> u64 {
     let mut simulation = Simulation::from_start(experiment).unwrap();
     run(&mut simulation, &Schedule::new(experiment), &mut []).unwrap();

@@ -68,7 +68,8 @@ fn after(experiment: &Experiment, velocity: [f64; 3], spin: [f64; 3], (windows, 
 
 const MODELS: [Model; 3] = [Model::Soft, Model::Hard, Model::Hybrid];
 
-/// Forces [N] at slips of 0.3 m/s and 1 m/s (Re = 20 and 67), from 1.615 ρ ν d w √Re_G times Mei's factor.
+/// Shear lift [N] at slips w of 0.3 m/s and 1 m/s (Re = 20 and 67): 1.615 ρ ν d w √Re_G times Mei's factor. Here ρ and
+/// ν are density and kinematic viscosity of the gas, d the diameter, and Re_G the Reynolds number of the shear.
 #[test]
 fn sheared_gas_pushes_a_sphere_that_leads_towards_slower_gas() {
     for (slip, force) in [(0.3, 5.681594588646967e-9), (1.0, 7.180754215763133e-9)] {
@@ -84,7 +85,7 @@ fn sheared_gas_pushes_a_sphere_that_leads_towards_slower_gas() {
     }
 }
 
-/// Forces [N] on a sphere that spins at 200 rad/s about x, from the drag-like form of the force.
+/// Spin lift [N] on a sphere that spins at 200 rad/s about x, by a formula in the form of a drag law.
 #[test]
 fn a_spinning_sphere_turns_to_the_side() {
     for (slip, force) in [(0.3, 2.5285055516971527e-8), (1.0, 1.4507770255692546e-7)] {
@@ -99,8 +100,8 @@ fn a_spinning_sphere_turns_to_the_side() {
     }
 }
 
-/// A spin of 2000 rad/s (Re_r = 133) decays to the spin of the gas, through both ranges of the law of torque. The
-/// expected values were integrated by another program. The ledger contains the energy given to the gas.
+/// A spin of 2000 rad/s (rotational Reynolds number 133) decays to the spin of the gas, through both ranges of the law
+/// of torque. The expected values were integrated by another program. The ledger contains the energy given to the gas.
 #[test]
 fn the_gas_takes_the_spin() {
     for windows in [1, 400] {
@@ -154,7 +155,8 @@ fn a_reflected_bead_sees_the_reflected_eddy() {
     close("reflected", (back - Vector3::new(through.x, -through.y, through.z)).norm(), 0.0, 1e-14);
 }
 
-/// A dense gas of spinning beads has equal bits for any number of threads and processes, and its ledger closes.
+/// A dense gas of spinning beads has equal bits for any number of threads and processes, and its ledger (balance of
+/// energy and momentum) closes.
 #[test]
 fn lift_gives_the_same_bits_on_threads_and_processes_and_closes_the_ledger() {
     let experiment = scene(

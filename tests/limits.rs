@@ -14,7 +14,8 @@ use nalgebra::Vector3;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Unit spheres on a line with given gaps between surfaces. They move like points in one dimension.
+/// Unit spheres on a line, which move like points in one dimension. Differences of `points` [m] are the gaps between
+/// their surfaces, and `speeds` [m/s] are their velocities.
 fn line(restitution: f64, points: &[f64], speeds: &[f64]) -> (Scene, Particles) {
     let scene = empty([64.0; 3], [false; 3], unit(), surface(restitution, 0.0));
     let list: Vec<_> = points
@@ -31,12 +32,13 @@ fn speeds(particles: &Particles) -> Vec<f64> {
     particles.velocity.iter().map(|v| v.x).collect()
 }
 
-/// Hard engine with the TC model and the contact time `time` [s].
+/// Hard engine with the TC model (collisions in quick succession are elastic) and the contact time `time` [s].
 fn in_contact(time: f64) -> Box<dyn Engine> {
     Box::new(Hard::new().with_contact_time(Some(time)))
 }
 
-/// Hard engine with the TC model and one event queue for all particles.
+/// Hard engine with the TC model (collisions within `time` [s] of another one are elastic) and one event queue for all
+/// particles.
 fn in_contact_together(time: f64) -> Box<dyn Engine> {
     Box::new(Hard::with_one_calendar().with_contact_time(Some(time)))
 }
@@ -213,7 +215,8 @@ fn stepped_hard_spheres_count_what_they_miss() {
     assert!(end.record.pairs.summary().mean_maximum_overlap.unwrap() > 0.0);
 }
 
-/// Sphere at rest on a floor with `depth` times its static overlap, with Verlet's or Heun's method at this ω_0 Δt.
+/// Sphere at rest on a floor with `depth` times its static overlap. `reduced` [-] is the time step times the undamped
+/// angular frequency of the contact.
 fn resting(e: f64, depth: f64, reduced: f64, integrator: Integrator) -> (Experiment, Particles) {
     let mut scene = empty([0.01; 3], [false; 3], small(), surface(e, 0.0));
     scene.gravity = Vector3::new(0.0, -9.81, 0.0);
@@ -367,7 +370,8 @@ duration = "1 s"
     }
 }
 
-/// The square of a speed may overflow although the speed does not. The failure then contains the particle.
+/// The square of a speed may overflow although the speed does not. The failure then names the particle with this
+/// speed.
 #[test]
 fn a_speed_that_cannot_be_squared_is_that_of_a_particle() {
     let scene = empty([1.0; 3], [true; 3], small(), surface(1.0, 0.0));

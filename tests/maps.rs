@@ -31,7 +31,7 @@ fn column(map: &Map, name: &str) -> usize {
     map.columns.iter().position(|column| *column == name).expect("a column of that name")
 }
 
-/// Number in a column of a row; the number must be known.
+/// Method `at`: the number of a row in a column. The number must be known.
 trait At {
     fn at(&self, column: usize) -> f64;
 }
@@ -47,13 +47,14 @@ fn row<'m>(map: &'m Map, column: &str, value: f64) -> &'m MapPoint {
     map.rows.iter().find(|row| row.at(k) == value).expect("a row of that value")
 }
 
-/// Damping ratio of a restitution.
+/// Damping ratio ζ of a linear contact with the restitution `e`.
 fn damping(e: f64) -> f64 {
     -e.ln() / (std::f64::consts::PI.powi(2) + e.ln().powi(2)).sqrt()
 }
 
-/// Stability limit of Heun's method: x at which |1 + λx + (λx)²/2| exceeds 1 for λ = -ζ + i sqrt(1-ζ²). The limit is 0
-/// without damping.
+/// Stability limit of Heun's method for a contact with the restitution `e`: the time step times the undamped angular
+/// frequency, x, at which |1 + λx + (λx)²/2| exceeds 1. Here λ = -ζ + i sqrt(1-ζ²) with the damping ratio ζ. The limit
+/// is 0 without damping.
 fn limit_of_heun(e: f64) -> f64 {
     let (a, b) = (-damping(e), (1.0 - damping(e).powi(2)).sqrt());
     let radius = |x: f64| {
@@ -149,6 +150,7 @@ fn soft_spheres_touch_less_often_as_they_crowd_less() {
     assert!(softest.at(1) < 1.0 - 10.0 * softest.at(2) / 3.0, "the effect is seen: {softest:?}");
 }
 
+/// Map of the decay of anisotropy (unequal velocity variances), which soft spheres reduce more slowly than hard ones.
 /// The quick grid has one stiffness, κ_n = 0.05, for which the collision integral gives 13.6 %.
 #[test]
 fn soft_spheres_even_out_more_slowly_as_their_collision_integral_says() {
@@ -324,8 +326,8 @@ fn every_map_has_a_case_that_runs() {
     assert_eq!(of("cradle").case, std::fs::read_to_string(folder.join("cradle.toml")).unwrap());
 }
 
-/// Runs of an engine with Hertz's law also have the restitution of the integration method alone, for any number of
-/// steps.
+/// The restitution in runs of an engine with Hertz's law is that of the integrator for a single contact, for any
+/// number of steps.
 #[test]
 fn hertzian_restitution_is_that_of_the_method() {
     let map = of("restitution-hertz");
@@ -338,8 +340,8 @@ fn hertzian_restitution_is_that_of_the_method() {
     }
 }
 
-/// Largest error over all slips, in per cent of the largest friction impulse, at e = 0.9. The values were computed
-/// independently with 40,000 steps of the linear oscillator.
+/// Largest error of Walton's rule over all slips, in per cent of the largest friction impulse, at the normal
+/// restitution 0.9. The values were computed independently with 40,000 steps of the linear oscillator.
 #[test]
 fn walton_is_a_spring_with_equal_half_periods_and_none_without_dashpot() {
     let reference = [

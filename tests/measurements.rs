@@ -21,7 +21,7 @@ use rand_distr::{Distribution, StandardNormal, UnitBall};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 
-/// Gas of `count` unit spheres in a cube with the volume fraction `phi` and T = 1 m²/s².
+/// Gas of `count` unit spheres in a cube with the volume fraction `phi`, at the granular temperature 1 m²/s².
 pub fn gas(count: usize, phi: f64, restitution: f64, model: Model) -> Experiment {
     let scene = empty([edge(count, 1.0, phi); 3], [true; 3], unit(), surface(restitution, 0.0));
     let mut gas = experiment(scene, count, [0.0; 3], 1.0, model, 3);
@@ -156,8 +156,9 @@ fn an_ideal_gas_has_no_structure() {
     agrees("g at contact", number(&found, "contact_value"), 1.0, 0.0);
 }
 
-/// Solution of the Percus-Yevick equation for hard spheres of unit diameter, by Perram's method (1975, Mol. Phys. 30,
-/// 1505) from Baxter's factor Q: r h(r) = 2πn ∫_0^1 (r - t) h(|r - t|) Q(t) dt for r > 1. Returns g at r = 1 + k/200.
+/// Pair distribution g of hard spheres of unit diameter by the Percus-Yevick equation, at the distances r = 1 + k/200.
+/// Perram's method (1975, Mol. Phys. 30, 1505) integrates r h(r) = 2πn ∫_0^1 (r - t) h(|r - t|) Q(t) dt for r > 1.
+/// Here h = g - 1, n is the number density, and Q Baxter's factor.
 fn percus_yevick(phi: f64, points: usize) -> Vec<f64> {
     const PER_DIAMETER: usize = 200;
     let step = 1.0 / PER_DIAMETER as f64;
@@ -228,7 +229,7 @@ fn the_pair_distribution_is_that_of_hard_spheres() {
     }
 }
 
-/// State of `count` particles with velocities that `velocity` draws, on any places.
+/// State of `count` particles along the y axis, whose velocities the function `velocity` draws.
 fn moving(experiment: &Experiment, count: usize, mut velocity: impl FnMut() -> Vector3<f64>) -> Particles {
     let size = experiment.scene.domain.size;
     let mut particles = Particles::default();
@@ -281,8 +282,8 @@ fn the_histogram_is_that_of_maxwell() {
     }
 }
 
-/// Velocities at random in a ball: <v²> = 3/5, <v⁴> = 3/7, <v⁶> = 1/3 of powers of its radius, so that a₂ = -2/7 and
-/// a₃ = 1/7 - 25/63.
+/// Velocities v at random in a ball of radius 1: <v²> = 3/5, <v⁴> = 3/7 and <v⁶> = 1/3. So the Sonine coefficients are
+/// a₂ = -2/7 and a₃ = 1/7 - 25/63.
 #[test]
 fn coefficients_of_a_ball_of_velocities() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(9);
@@ -350,7 +351,8 @@ fn measurements_change_nothing() {
     assert!(series.rows.iter().all(|row| row.sonine.is_some()));
 }
 
-/// Spheres in free flight through a periodic box: M(t) = t² <|v - v̄|²> N/(N - 1), however often they leave the box.
+/// N spheres in free flight through a periodic box. Their mean square displacement in the time t is t² <|v - v̄|²>
+/// N/(N - 1), however often they leave the box (velocities v with the mean v̄).
 #[test]
 fn displacements_are_unwrapped() {
     let mut gas = gas(3, 0.001, 1.0, Model::Hard);

@@ -238,8 +238,8 @@ fn a_body_of_triangles_stands_again_across_periodic_sides() {
     }
 }
 
-/// For most positions, bounds show that a sphere is far from a surface, on its free side. No distances to triangles are
-/// then computed. The test checks that this is right.
+/// For most positions, bounds show that a sphere is far from a surface, on its free side. No distances to triangles
+/// are then computed. The test checks that these answers are right.
 #[test]
 fn what_is_clear_of_triangles_is_so() {
     let centre = Vector3::repeat(8.0);

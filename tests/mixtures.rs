@@ -12,8 +12,8 @@ use diptych::simulation::{Simulation, soft_step};
 use diptych::statistics::Estimate;
 use diptych::study::execute;
 
-/// Case of two species of spheres and a floor. Each pair of kinds has one impact, at 1 m/s and 45 degrees, far from
-/// other spheres.
+/// Case of two species of spheres and a floor. Two spheres of glass, a sphere of glass and one of steel, and a sphere
+/// of steel and the floor have one impact each, at 1 m/s and 45 degrees, far from other spheres.
 const PAIRS: &str = r#"
 [domain]
 size = ["40 mm", "10 mm", "10 mm"]
@@ -192,8 +192,8 @@ model = "hard"
 duration = "1 ms"
 "#;
 
-/// A start must place small spheres between large ones, and large ones after small ones. This takes seconds, because
-/// each size has its own cells and the smaller sphere of a pair is moved aside.
+/// A random start must find room for small spheres between large ones, and for large ones among small ones. This takes
+/// only seconds, because each size has its own cells and the smaller sphere of a pair is moved aside.
 #[test]
 fn ten_to_one_starts_without_overlap() {
     for share in ["0.15", "0.08"] {
@@ -208,8 +208,8 @@ fn ten_to_one_starts_without_overlap() {
     }
 }
 
-/// Every pair nearer than the skin of the neighbour list is listed once, for all sizes, with and without periodic
-/// sides.
+/// Every pair whose gap is smaller than the margin (skin) of the neighbour list is listed once, for all sizes, with
+/// and without periodic sides.
 #[test]
 fn lists_of_very_different_sizes_hold_every_pair_once() {
     for (periodic, seed) in [([true; 3], 1), ([false, true, false], 2)] {
@@ -403,8 +403,8 @@ fn elastic_mixtures_for_long() {
     }
 }
 
-/// Replicas of a mixture are pooled: means have errors that fall with the number of runs, and impacts of all runs are
-/// added. A pair with impacts in one run only has no error.
+/// Replicas (runs with different seeds) of a mixture are pooled. Errors of means fall with the number of runs, and
+/// impacts of all runs are added. A pair of species with impacts in one run only has no error.
 #[test]
 fn replicas_pool_what_is_said_of_each_kind() {
     let species = |velocity: f64, error: Option<f64>| SpeciesAverages {

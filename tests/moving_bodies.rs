@@ -1,5 +1,6 @@
-//! Bodies and meshes that move: times of touch against a search in small steps, vibrating vessels against planes, bodies
-//! that turn about their own axis against surfaces that turn, no missed touch in a turning drum, and the ledger.
+//! Bodies and meshes that move: times of touch against a search in small steps, and vibrating vessels against planes.
+//! Bodies that turn about their own axis are compared with surfaces that turn. In a turning drum no touch may be
+//! missed, and the ledger (energy and momentum balance) must close.
 
 use crate::meshes::heaps::{Heap, block};
 use crate::support::*;
@@ -51,7 +52,8 @@ fn mesh(heap: &Heap, sides: Sides) -> WallGeometry {
     WallGeometry::Mesh(Arc::new(Mesh::new("test", heap, Some(sides)).unwrap().0))
 }
 
-/// Bodies about the middle of a box of 10, and vessels there.
+/// Bodies about the middle of a box with edges of 10 m, and vessels around this middle, with their names. The flag is
+/// true for a vessel.
 fn bodies() -> Vec<(&'static str, WallGeometry, bool)> {
     let middle = Vector3::repeat(5.0);
     let half = Vector3::new(1.2, 0.7, 0.4);
@@ -73,7 +75,8 @@ fn bodies() -> Vec<(&'static str, WallGeometry, bool)> {
     ]
 }
 
-/// First time in steps at which a flight overlaps a body, and the smallest gap before it.
+/// First of 20,000 equally spaced times up to `until` at which a sphere on a flight overlaps a wall that moves; `None`
+/// without an overlap.
 fn by_steps(wall: &Wall, flight: &Flight, radius: f64, until: f64) -> Option<f64> {
     const STEPS: usize = 20_000;
     let contacts = wall.geometry.contacts();
@@ -142,7 +145,7 @@ fn the_time_of_touch_is_that_of_a_search_in_small_steps() {
     }
 }
 
-/// Spheres in a cubic room of 5 about the middle of a box of 10, between the given walls.
+/// Spheres in a cubic room with edges of 5 m, about the middle of a box with edges of 10 m, between the given walls.
 fn room(walls: Vec<Wall>, friction: f64) -> (Scene, Particles) {
     let mut scene = empty([10.0; 3], [false; 3], unit(), surface(0.9, friction));
     scene.gravity = Vector3::new(0.0, -1.0, 0.1);
@@ -231,7 +234,8 @@ fn a_body_that_turns_about_its_own_axis_is_a_surface_that_turns() {
     }
 }
 
-/// A drum along z with the given number of sides and a lifter on every third of them: a closed vessel of triangles.
+/// Closed vessel of triangles in the shape of a drum along z, with the given number of flat sides. On every third side
+/// it has a lifter (a blade that carries spheres upwards).
 fn drum(center: Vector3<f64>, radius: f64, half: f64, sides: u32) -> Heap {
     let corner = |k: u32| {
         let lifted = if k.is_multiple_of(3) { 0.75 } else { 1.0 };
@@ -250,7 +254,8 @@ fn drum(center: Vector3<f64>, radius: f64, half: f64, sides: u32) -> Heap {
     heap.iter().map(|corners| corners.map(|x| x + center)).collect()
 }
 
-/// Spheres in a drum with lifters that turns about an axis beside its own one, with the angular velocity `spin`.
+/// Spheres in a drum with lifters (blades that carry spheres upwards). The drum turns with the angular velocity `spin`
+/// [rad/s] about an axis beside its own axis.
 fn in_a_drum(restitution: f64, friction: f64, spin: [f64; 3]) -> (Scene, Particles) {
     let middle = Vector3::repeat(5.0);
     let shape = mesh(&drum(middle, 3.5, 2.0, 12), Sides::Inside);
@@ -258,10 +263,11 @@ fn in_a_drum(restitution: f64, friction: f64, spin: [f64; 3]) -> (Scene, Particl
     room(vec![Wall::new(shape, surface(restitution, friction)).moving(motion).unwrap()], friction)
 }
 
-/// Angular velocity of the drum in most tests, not quite along its own axis.
+/// [rad/s] angular velocity of the drum in most tests, not quite along the axis of the drum.
 const SPIN: [f64; 3] = [0.1, 0.0, 1.5];
 
-/// Runs until `impacts` impacts on the drum, and checks after each window that no sphere is behind its wall.
+/// Runs until `impacts` impacts on the drum have occurred. Checks after each window (piece of the run) that no sphere
+/// is behind the wall of the drum.
 fn tumble(name: &str, engine: Box<dyn Engine>, impacts: u64, spin: [f64; 3]) {
     let (drum, start) = in_a_drum(1.0, 0.0, spin);
     // with gravity or losses spheres would come to rest on the drum, which takes infinitely many impacts

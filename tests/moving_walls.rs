@@ -52,7 +52,8 @@ fn path(knots: &[(f64, Vector3<f64>)]) -> PrescribedMotion {
 /// Height [m] of the plate without displacement.
 const PLATE: f64 = 5.0;
 
-/// A ball of unit diameter and mass under g = 1, `gap` [m] above a plate with a motion.
+/// A ball of unit diameter and mass under gravity 1 m/s², `gap` [m] above a plate with the given motion, with the
+/// velocity `speed` [m/s] upwards.
 fn above(motion: &PrescribedMotion, restitution: f64, gap: f64, speed: f64) -> (Scene, Particles) {
     let mut scene = empty([10.0, 40.0, 10.0], [false; 3], unit(), surface(1.0, 0.0));
     scene.gravity = up(-1.0);
@@ -62,7 +63,8 @@ fn above(motion: &PrescribedMotion, restitution: f64, gap: f64, speed: f64) -> (
     (scene.clone(), placed(&scene, &[([5.0, height, 5.0], [0.0, speed, 0.0])]))
 }
 
-/// Ball on a moving plate by an independent solver: the next impact is found in steps of 1e-4 and by bisection.
+/// Ball on a moving plate, computed by a solver that is independent of the library. It finds the next impact in steps
+/// of 1e-4 s and by bisection.
 struct Bouncing<'a> {
     /// Displacement and velocity of the plate at a time.
     plate: &'a dyn Fn(f64) -> (f64, f64),
@@ -200,7 +202,8 @@ pub fn shaken(restitution: f64, friction: f64) -> (Scene, Particles) {
     (scene, start)
 }
 
-/// Runs until `impacts` impacts on moving walls, and checks after each window that no sphere is behind a wall.
+/// Runs until `impacts` impacts on moving walls have occurred. Checks after each window (piece of the run) that no
+/// sphere is behind a wall.
 fn bounce(name: &str, engine: Box<dyn Engine>, impacts: u64) {
     let (scene, start) = shaken(0.95, 0.0);
     let mut simulation = Simulation::with_engine(scene, start, engine);
@@ -333,7 +336,7 @@ fn the_books_close() {
     }
 }
 
-/// Friction of spheres that rotate, without memory.
+/// Friction law of spheres that rotate, without a tangential spring.
 fn made_up_rotation() -> diptych::rotation::Rotation {
     use diptych::rotation::{ImpactRule, Rotation, TangentialLaw};
     Rotation::new(TangentialLaw::Coulomb, ImpactRule::COULOMB)

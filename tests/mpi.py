@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Runs a program that was built with MPI on several processes: tests/mpi.py target/release/diptych
 
-Everything that does not depend on time must be as one process gives it; what goes wrong in one process must end all with one message and
-one exit code, and what is killed must go on. Needs mpirun.
+All results that do not depend on time must be those of one process. A failure in one process must end all processes with one message and one
+exit code. A run that is killed must be resumable. Needs mpirun.
 """
 
 import csv
@@ -25,7 +25,7 @@ ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_R
 
 
 def start(count, arguments, folder, **variables):
-    """Starts so many processes, one of which is none of MPI."""
+    """Starts `count` processes by mpirun; a single process is started without MPI."""
     head = ["mpirun", "--oversubscribe", "-n", str(count)] if count > 1 else []
     return subprocess.Popen(
         [*head, PROGRAM, *arguments], cwd=folder, env={**ENVIRONMENT, **variables}, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
@@ -33,15 +33,15 @@ def start(count, arguments, folder, **variables):
 
 
 def diptych(count, arguments, folder):
-    """Runs so many processes; gives the exit code and what was said."""
+    """Runs `count` processes. Returns the exit code and the printed text."""
     process = start(count, arguments, folder)
     out, said = process.communicate(timeout=300)
     return process.returncode, out + said
 
 
 def lasting(value):
-    """A value of summary.json without times and what depends on the command line."""
-    # pairs that searches look at depend on how the box is cut
+    """Value of summary.json without keys for times, and without keys that depend on the command line."""
+    # the number of pairs that searches examine depends on the division of the box
     passing = {"pair_checks", "timing", "wall_seconds", "wall_seconds_per_simulated_second", "particle_windows_per_second", "command", "verdicts", "sentences"}
     if isinstance(value, dict):
         return {key: lasting(one) for key, one in value.items() if key not in passing}
@@ -50,7 +50,7 @@ def lasting(value):
 
 def summary(folder):
     whole = json.loads((folder / "summary.json").read_text())
-    # how many threads there were is checked, and is not a result
+    # the check of the number of threads in the trust sheet is left out
     for sheet in whole.get("trust", []):
         sheet["checks"] = [check for check in sheet["checks"] if "thread" not in json.dumps(check)]
     return lasting(whole)
@@ -62,7 +62,7 @@ def rows(folder):
 
 
 def same_results(place):
-    """Replicas, sweeps and sensitivity on two and three processes beside one."""
+    """Checks that replicas, sweeps and sensitivity have equal results on one, two and three processes."""
     values = "soft.linear_spring_dashpot.stiffness=1 kN/m,2 kN/m,3 kN/m"
     commands = {
         "run": ["run", CASE, "--replicas", "5", *SHORT],
@@ -82,7 +82,7 @@ def same_results(place):
 
 
 def one_run_is_shared(place):
-    """A run without replicas, cut into domains: gas with drag, all three models, two sizes, walls of triangles, a bed."""
+    """Checks runs that processes share in domains (blocks of the box): gas with drag, all three models, two sizes, walls of triangles, a bed."""
     cases = Path(CASE).parent
     short = lambda time: ["--set", f"run.duration={time}", "--set", "run.average_from=0 s"]
     commands = {
@@ -108,7 +108,7 @@ def one_run_is_shared(place):
 
 
 def arrays(path):
-    """The arrays of a VTK file by name: bytes of each point."""
+    """Arrays of a VTK file by name. Each array has the bytes of each point."""
     head, data = path.read_bytes().split(b'<AppendedData encoding="raw">\n_', 1)
     head = head.decode()
     count = int(re.search(r'NumberOfPoints="(\d+)"', head)[1])
@@ -122,7 +122,7 @@ def arrays(path):
 
 
 def trajectory(folder, name):
-    """Time, particles by id, and number of files of every frame that the index lists."""
+    """Frames of a trajectory that its index lists: time, particles by id, and number of files of each frame."""
     frames = []
     for time, file in re.findall(r'timestep="([^"]+)" part="0" file="([^"]+)"', (folder / "trajectory" / f"{name}.pvd").read_text()):
         path = folder / "trajectory" / file
@@ -139,7 +139,7 @@ def trajectory(folder, name):
 
 
 def same_frames(folder, other, name, pieces):
-    """Both have the same frames, bit by bit; so many of the second are in pieces, at least."""
+    """Checks that two folders have equal frames, bit by bit, and that at least `pieces` frames of the second one consist of several files."""
     one, two = trajectory(folder, name), trajectory(other, name)
     assert [(time, particles) for time, particles, _ in one] == [(time, particles) for time, particles, _ in two], (folder, other, name)
     assert sum(files > 1 for _, _, files in two) >= pieces, [files for _, _, files in two]
@@ -149,7 +149,7 @@ def same_frames(folder, other, name, pieces):
 
 
 def frames_in_pieces(place):
-    """Every process writes its part of each frame: at samples, between them, and at the end."""
+    """Checks trajectories to which every process writes its part of each frame: at samples, between samples, and at the end."""
     case = str(Path(CASE).parent / "channel-f.toml")
     command = ["compare", case, "--set", "run.duration=11 ms", "--set", "run.average_from=0 s", "--every", "1.7 ms"]
     for count in (1, 2, 3):
@@ -164,7 +164,7 @@ def frames_in_pieces(place):
 
 
 def work_is_shared(place):
-    """Of two processes each does some of the runs."""
+    """Checks that each of two processes does some of the runs of a sweep."""
     process = start(2, ["sweep", CASE, "--threads", "1", "--sweep", "run.seed=1,2,3,4,5,6", "--only", "hard", "--set", "run.duration=1 s", "--out", "shared"], place)
     used = {}
     while process.poll() is None:
@@ -184,7 +184,7 @@ def work_is_shared(place):
 
 
 def refusals(place):
-    """One message and one exit code."""
+    """Checks that wrong input gives one message and one exit code from all processes together."""
     other = place / "other.toml"
     other.write_text(Path(CASE).read_text())
     mpirun = ["mpirun", "--oversubscribe"]
@@ -209,9 +209,9 @@ def refusals(place):
 
 
 def lasts(seconds, count, arguments, place):
-    """The setting with which so many processes are busy for so many seconds at least, however fast the machine is: half a simulated second is timed first.
+    """Setting of the duration with which `count` processes run for at least `seconds` of wall time on this machine. Half a simulated second is timed first.
 
-    mpirun passes SIGTERM on a second after it has got it (and kills after another), so whoever is to hear it must have more to do than that."""
+    mpirun passes SIGTERM on after a second, and kills the processes after another second. A run that should receive SIGTERM must therefore last longer."""
     began = time.monotonic()
     code, said = diptych(count, [*arguments, "--set", "run.duration=0.5 s", "--out", f"timed{count}"], place)
     assert code == 0, said
@@ -219,7 +219,7 @@ def lasts(seconds, count, arguments, place):
 
 
 def killed_and_gone_on_with(place):
-    """A process that is killed ends all; what is stored goes on, on another number of processes."""
+    """Checks that killing one process ends all of them, and that the stored runs can be resumed on another number of processes."""
     long = ["--set", "run.average_from=0.2 s", "--checkpoint-every", "0.2 s"]
     long = [*long, *lasts(2.5, 1, ["run", CASE, *long], place), "--replicas", "4"]
     code, said = diptych(1, ["run", CASE, *long, "--out", "whole"], place)
@@ -227,7 +227,7 @@ def killed_and_gone_on_with(place):
     for number, how in enumerate((signal.SIGKILL, signal.SIGTERM)):
         folder = place / f"cut{number}"
         process = start(3, ["run", CASE, *long, "--out", folder.name], place)
-        # until a replica is under way
+        # waits until a replica is in progress
         while process.poll() is None and not list((folder / "checkpoint").glob("a-*")):
             time.sleep(0.02)
         assert process.poll() is None, process.communicate()
@@ -245,7 +245,7 @@ def killed_and_gone_on_with(place):
 
 
 def process_of(folder, rank):
-    """The process of that number of those that write into a folder."""
+    """Process id of the process with the number `rank`, among the processes that write into the folder."""
     for name in filter(str.isdigit, os.listdir("/proc")):
         try:
             words = Path("/proc", name, "cmdline").read_text().split("\0")
@@ -257,19 +257,20 @@ def process_of(folder, rank):
 
 
 def one_run_is_killed(place):
-    """A process of a run that all share is killed or runs out of memory: mpirun says which, and the rest goes on, on another number of processes."""
+    """Checks a run that all processes share, if one of them is killed or runs out of memory: mpirun names this process, and the run can be resumed on
+    another number of processes."""
     long = ["--model", "hard", "--set", "run.average_from=0.2 s", "--checkpoint-every", "0.2 s", "--every", "50 ms"]
     case = str(Path(CASE).parent / "channel-f.toml")
     long += lasts(4.0, 3, ["run", case, *long], place)
     code, said = diptych(1, ["run", case, *long, "--out", "all"], place)
     assert code == 0, said
     parts = []
-    # a checkpoint is in parts unless all particles have just been moved at once, which is chance: it is tried again until one is
+    # a checkpoint is in parts, unless all particles have just been moved together, which happens by chance: repeated until one is in parts
     for number, how in enumerate(("killed", "told to stop", "out of memory") + ("told to stop",) * 6):
         if number >= 3 and 3 in parts:
             break
         folder = place / f"part{number}"
-        # so that all but the smallest pieces of memory are asked of the system anew, and given back
+        # with this variable, nearly every piece of memory is requested from the system, and given back
         process = start(3, ["run", case, *long, "--out", folder.name], place, MALLOC_MMAP_THRESHOLD_="4096")
         while process.poll() is None and not (folder / "checkpoint" / "a").exists():
             time.sleep(0.02)
@@ -283,8 +284,8 @@ def one_run_is_killed(place):
             process.send_signal(signal.SIGTERM)
         out, said = process.communicate(timeout=60)
         assert process.returncode != 0 and not (folder / "summary.json").exists(), said
-        # the program, Open MPI or the growing stack (a segmentation fault) is the first to ask for memory that is not there, by chance;
-        # each ends the process in its own way
+        # by chance, the program, Open MPI or the growing stack (segmentation fault) is the first to request memory that is not available;
+        # each of these ends the process in another way
         words = {
             "killed": [["process rank 2"], ["signal 9"]],
             "out of memory": [["process rank 1", "],1]"], ["memory allocation of", "out of dynamic memory", "signal 11"]],

@@ -1,10 +1,11 @@
-//! `diptych needs`: which models a scene can do without, in scenes whose answers are known in closed form.
+//! The command `diptych needs` names the models that a scene can do without. It runs in scenes whose answers are known
+//! in closed form.
 
 use crate::support::{diptych, words};
 use serde_json::Value;
 
-/// Bead that falls in a gas or a liquid at rest, with the drag of Stokes; `@` stands for the fluid. A single particle has no
-/// drag in suspensions.
+/// Bead that falls in a gas or a liquid at rest, with Stokes drag; `@` stands for the fluid. With a single particle,
+/// the model "drag in suspensions" makes no sense.
 const FALL: &str = r#"
 [domain]
 size = ["1 m", "1 m", "1 m"]
@@ -48,10 +49,10 @@ fn factor<'a>(summary: &'a Value, name: &str) -> &'a Value {
     summary["factors"].as_array().unwrap().iter().find(|factor| factor["name"] == name).unwrap()
 }
 
-/// Without buoyancy and added mass a bead falls by Stokes' law with the response time τ = ρ_p d²/(18 ρ_f ν) from rest to
-/// g τ (1 - exp(-t/τ)). With them τ grows by 1 + ρ_f/(2 ρ_p), and g is multiplied by (1 - ρ_f/ρ_p)/(1 + ρ_f/(2 ρ_p)).
-/// The shift of the velocity at the end, over the velocity of the richest case, is known; splitting errors are below
-/// 1e-4 of the velocity.
+/// Without buoyancy and added mass a bead falls from rest with the velocity g τ (1 - exp(-t/τ)), with the response
+/// time τ = ρ_p d²/(18 ρ_f ν) (bead: ρ_p, d; fluid: ρ_f, ν). With them τ grows by 1 + ρ_f/(2 ρ_p), and g is multiplied
+/// by (1 - ρ_f/ρ_p)/(1 + ρ_f/(2 ρ_p)). So the shift of the final velocity is known; splitting errors are below 1e-4 of
+/// the velocity.
 #[test]
 fn buoyancy_and_added_mass_are_needed_in_water_and_not_in_air() {
     let velocity = |density: f64, viscosity: f64, richest: bool| {
@@ -109,7 +110,7 @@ fn added_mass_is_studied_without_gravity() {
     assert!(!said.contains("left out: buoyancy"), "{said}");
 }
 
-/// Inclined facets that a case has are one of the models that are left out.
+/// If a wall of the case has inclined facets (a model of roughness), `needs` also runs the case without facets.
 #[test]
 fn inclined_facets_are_left_out() {
     let floor = "[[walls]]\nplane = { point = [0, 0, 0], normal = [0, 0, 1] }\nrestitution = 0.9\n\
@@ -122,7 +123,7 @@ fn inclined_facets_are_left_out() {
     assert!(!said.contains("left out: facets"), "{said}");
 }
 
-/// Gravity across the flow forbids a gas that feels the particles.
+/// If gravity acts across the flow of a gas, two-way coupling (a gas that feels the particles) is impossible.
 #[test]
 fn a_gas_under_gravity_across_its_flow_does_not_feel_the_particles() {
     let across = FALL
@@ -139,7 +140,8 @@ fn a_gas_under_gravity_across_its_flow_does_not_feel_the_particles() {
     assert!(said.contains("added: k and ε of the k-ε model"), "{said}");
 }
 
-/// Hard spheres and collisions by chance stop where a ball slides on a floor. That is an answer and no error.
+/// Hard spheres and collisions by chance stop if a ball slides on a floor. For `needs`, that is an answer and no
+/// error.
 #[test]
 fn a_model_without_which_a_run_stops_cannot_be_left_out() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! docs/paper.md answers the whole paper: it must contain every number of the paper's text, and every claim with its
-//! words.
+//! The page docs/paper.md answers the whole paper: it must contain every number of the paper's text, and every claim
+//! in its words.
 
 use std::path::Path;
 
@@ -66,7 +66,7 @@ const WORDS: [(&str, &str); 27] = [
     ("5", "compared and validated quantitatively and qualitatively"),
 ];
 
-/// The four possible verdicts.
+/// The four possible verdicts on a claim of the paper.
 const VERDICTS: [&str; 4] = ["holds", "holds in part", "does not hold", "cannot be checked"];
 
 fn page() -> String {

@@ -1,5 +1,5 @@
-//! Verdicts on the numbers that two steady runs measure under `[observe]`: made-up numbers through the rule, its rates of
-//! wrong answers, and rows of a real comparison.
+//! Verdicts on the numbers that two steady runs measure because their case has a table `[observe]`: made-up numbers,
+//! rates of wrong answers, and rows of a real comparison.
 
 use crate::support::*;
 use diptych::observe::{Observation, ObservedNumber, ObservedQuantity};
@@ -13,14 +13,15 @@ use serde_json::Value;
 
 const ASKED: Criteria = Criteria { margin: 0.01, levels: ErrorLevels { difference: 0.01, equivalence: 0.05 } };
 
-/// Number that is the mean of `count` normally distributed values with a mean and a standard deviation.
+/// Made-up number of a run: the mean of `count` normally distributed values with the given mean and standard
+/// deviation.
 fn noisy(name: &str, count: usize, [mean, deviation]: [f64; 2], random: &mut Xoshiro256PlusPlus) -> ObservedNumber {
     let mut value = || -> f64 { StandardNormal.sample(random) };
     let samples: Vec<f64> = (0..count).map(|_| mean + deviation * value()).collect();
     ObservedNumber::of_series(ObservedQuantity::new(name, name, "m"), &samples, [0.0, 1.0], None)
 }
 
-/// Number with a stated value and standard error.
+/// Made-up number of a run with a stated value and standard error.
 fn stated(name: &str, value: f64, error: f64) -> ObservedNumber {
     let (quantity, value) = (ObservedQuantity::new(name, name, "m"), Some(Estimate::new(value, error)));
     ObservedNumber { quantity, value, theory: None, batches: None }
@@ -30,7 +31,7 @@ fn measured(numbers: Vec<ObservedNumber>) -> [Observation; 1] {
     [Observation { name: "made_up", numbers, ..Observation::default() }]
 }
 
-/// Differences of two runs that measure these numbers.
+/// Differences between the numbers of two runs, with an answer for each.
 fn compared(own: Vec<ObservedNumber>, other: Vec<ObservedNumber>) -> Vec<ObservedDifference> {
     observed_differences([&measured(own), &measured(other)], f64::INFINITY, ASKED)
 }

@@ -123,7 +123,8 @@ fn who_observes_does_not_change_the_result() {
     }
 }
 
-/// Between samples, as at samples, the state belongs to one instant: velocities contain the kicks up to this instant.
+/// Between samples, as at samples (instants of measurement), the state belongs to one instant: velocities contain the
+/// kicks (changes by drag) up to this instant.
 #[test]
 fn looks_between_samples_see_what_samples_there_would() {
     let mut gas = gas();
@@ -278,9 +279,10 @@ fn what_observers_keep_can_be_stored_and_read_back() {
     same(&paths);
 }
 
-/// First two spheres that do not collide, in a gas at rest with Stokes drag, τ = 0.52 s. Drag reduces every second
-/// moment at the rate 2/τ, and the other terms are zero. Then hard spheres of e = 0.9 without gas: impacts remove the
-/// energy that the ledger counts as dissipated.
+/// First two spheres that do not collide, in a gas at rest with Stokes drag and the response time τ = 0.52 s. Drag
+/// reduces every second moment of velocity at the rate 2/τ, and the other terms of the budget are zero. Then hard
+/// spheres with the restitution 0.9 without gas: impacts remove the energy that the ledger (energy balance) counts as
+/// dissipated.
 #[test]
 fn budgets_of_second_moments_tell_drag_and_impacts() {
     let edge = 0.01;
@@ -312,7 +314,8 @@ fn budgets_of_second_moments_tell_drag_and_impacts() {
     assert!(second.whole.iter().all(|terms| terms.drag.value == 0.0));
 }
 
-/// Run of an experiment that measures budgets in a single slice of the box.
+/// Runs an experiment that measures budgets (rates of change of the second moments of velocity) in a single slice of
+/// the box.
 fn budgets_of(experiment: &Experiment, start: Particles) -> (Simulation, Budgets) {
     let schedule = Schedule::new(experiment);
     let mut moments = SecondMoments::new(1, &schedule);

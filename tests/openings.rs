@@ -1,5 +1,5 @@
-//! Inlets and outlets: books, ids, contacts and histories of the particles that stay, resumed runs, threads, order of the
-//! store, blocked inlets, messages.
+//! Inlets and outlets: balances of mass, momentum and energy, ids, contacts and histories of the particles that stay,
+//! resumed runs, threads, order of the store, blocked inlets, messages.
 
 mod in_cases;
 mod surfaces;
@@ -33,13 +33,14 @@ fn block(low: [f64; 3], high: [f64; 3]) -> Hollow {
     Hollow::new(Cavity::Box { center: 0.5 * (low + high), half_extents: 0.5 * (high - low) })
 }
 
-/// Outlet behind a plane across z.
+/// Outlet behind a plane across z at `z` [m]. If `normal` is 1, the outlet is below the plane; if -1, above it.
 fn beyond(name: &str, z: f64, normal: f64) -> Outlet {
     let plane = Plane { point: Vector3::new(0.0, 0.0, z), normal: Vector3::new(0.0, 0.0, normal) };
     Outlet { name: name.into(), shape: OutletShape::Behind(plane) }
 }
 
-/// Inlet of spheres of species 0.
+/// Inlet that brings spheres of species 0 into `region`: `rate` [1/s] spheres per second with the mean velocity
+/// `velocity` [m/s] and its standard deviation `fluctuation` [m/s].
 fn feed(region: Hollow, rate: f64, velocity: [f64; 3], fluctuation: f64) -> Inlet {
     Inlet {
         name: "feed".into(),
@@ -80,8 +81,9 @@ fn hybrid() -> Box<dyn Engine> {
 /// Makes an engine.
 type MakeEngine = fn() -> Box<dyn Engine>;
 
-/// All engines, with the share of the energy that a contact in time steps may gain or lose: (ω_0 Δt)²/4 of velocity Verlet
-/// is 2.5e-4 at N_c = 100. Instantaneous collisions leave rounding.
+/// All engines, with the share of the energy that a contact in time steps may gain or lose. With velocity Verlet it is
+/// (ω_0 Δt)²/4 = 2.5e-4 at 100 steps per contact (frequency ω_0, time step Δt). With instantaneous collisions only
+/// rounding remains.
 fn engines() -> Vec<(&'static str, MakeEngine, f64)> {
     vec![
         ("hard", || Box::new(Hard::new()), 1e-12),
@@ -96,7 +98,7 @@ fn engines() -> Vec<(&'static str, MakeEngine, f64)> {
     ]
 }
 
-/// Sums over all outlets, or over all inlets.
+/// Sums over all the given inlets or outlets.
 fn sum_of<'a>(flows: impl Iterator<Item = &'a diptych::simulation::OpeningFlow>) -> FlowTotals {
     flows.map(|flow| flow.totals()).fold(FlowTotals::default(), |sum, one| FlowTotals {
         count: sum.count + one.count,
@@ -109,8 +111,8 @@ fn sum_of<'a>(flows: impl Iterator<Item = &'a diptych::simulation::OpeningFlow>)
     })
 }
 
-/// Runs a stream and checks that number, mass, momentum and energy are those of the start plus the flow, and that no id is
-/// given twice. Returns the number of particles that came in or left.
+/// Runs a stream. Checks that number, mass, momentum and energy are those of the start plus the flow through inlets
+/// and outlets, and that no id is given twice. Returns the number of particles that came in or left.
 fn check_books(name: &str, engine: Box<dyn Engine>, share: f64, (windows, rate): (u64, f64)) -> u64 {
     let scene = stream(1.0, rate);
     let start = random(&scene, 60, 1.0, 2);
@@ -165,9 +167,9 @@ fn books_close_over_many_exchanges() {
     }
 }
 
-/// Two spheres in a soft contact, and a third one that leaves during the contact. In an elastic contact without friction
-/// the force depends on positions alone, so that the two end with the bits of a run without the third. Local steps carry
-/// the contact itself, so this holds with springs, dashpots and friction, too.
+/// Two spheres in a soft contact, and a third one that leaves during the contact. In an elastic contact without
+/// friction the force depends on positions alone, so the two spheres end with the bits of a run without the third.
+/// Local steps carry the contact itself over, so this holds with springs, dashpots and friction, too.
 #[test]
 fn contacts_survive_when_another_particle_leaves() {
     let spring = TangentialLaw::Linear(LinearTangential::Ratios { stiffness: 2.0 / 7.0, dashpot: 2.0 / 7.0 });
@@ -198,14 +200,16 @@ fn contacts_survive_when_another_particle_leaves() {
     }
 }
 
-/// Runs windows of a fifth of a contact for three contacts. The first window ends within the contact.
+/// Runs windows (pieces) of a fifth of a contact time for three contact times. The first window ends within the
+/// contact.
 fn follow(scene: &Scene, start: &Particles, stepping: SoftStepping) -> Simulation {
     let mut simulation = Simulation::with_engine(scene.clone(), start.clone(), soft_with(stepping));
     simulation.run(15, 20.0 * STEP).unwrap();
     simulation
 }
 
-/// A particle leaves in the middle of a contact: the energy k δ²/2 of the spring leaves with it, and the books close.
+/// A particle leaves in the middle of a contact. The energy k δ²/2 of the spring (stiffness k, overlap δ) leaves with
+/// it, and the energy balance closes.
 #[test]
 fn the_energy_of_cut_contacts_leaves_with_the_particle() {
     for stepping in [SoftStepping::Uniform, SoftStepping::Local] {
@@ -233,8 +237,9 @@ fn the_energy_of_cut_contacts_leaves_with_the_particle() {
     }
 }
 
-/// With a contact time, a collision is elastic if either sphere collided shortly before. The middle sphere is hit, then a
-/// far particle leaves, and then the middle sphere hits the last one: elastically, since its history is kept.
+/// With a contact time, a collision is elastic if either sphere collided shortly before. In a row of three, the middle
+/// sphere is hit, then a sphere far away leaves, and then the middle sphere hits the last one. This collision is
+/// elastic, since the time of the first one is remembered.
 #[test]
 fn hard_spheres_keep_their_last_collision() {
     for engine in [Hard::with_one_calendar(), Hard::with_islands()] {
@@ -331,8 +336,8 @@ fn species_that_come_in_are_averaged_too() {
     close("number in the volume", species[1].number_density * 1000.0, mean, 1.0);
 }
 
-/// In a box that an inlet has filled before averaging begins, the mean weight is that of all particles, and the balance
-/// closes within its error.
+/// An inlet fills a box before averaging begins. The mean weight is then that of all particles, and the balance of
+/// momentum closes within its error.
 #[test]
 fn the_weight_of_what_has_come_in_is_averaged() {
     let mut scene = empty([10.0, 10.0, 40.0], [true, true, false], unit(), surface(1.0, 0.0));
@@ -354,7 +359,8 @@ fn the_weight_of_what_has_come_in_is_averaged() {
     close("residual", residual.value, 0.0, 4.0 * residual.error.unwrap());
 }
 
-/// Momentum that comes in and leaves is a term of the balance, in the outcome, the trust sheet, the page and the summary.
+/// Momentum that comes in and leaves with particles is a term of the momentum balance, in the outcome, the trust
+/// sheet, the page and the summary.
 #[test]
 fn the_balance_lists_what_comes_and_leaves() {
     let mut run = experiment(stream(1.0, 20.0), 0, [0.0; 3], 0.0, Model::Hard, 4);
@@ -382,7 +388,7 @@ fn the_balance_lists_what_comes_and_leaves() {
     assert!(read("report.html").contains("inflow less outflow</th><th scope=\"col\">sum</th>"));
 }
 
-/// Spheres at rest fill a region, until those that are due find no place.
+/// An inlet fills its region with spheres at rest, until further spheres find no place and must wait.
 #[test]
 fn what_finds_no_place_waits() {
     let scene = empty([10.0; 3], [false; 3], unit(), surface(1.0, 0.0));

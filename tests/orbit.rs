@@ -10,7 +10,7 @@ use diptych::scene::Thermostat;
 use diptych::simulation::Simulation;
 use diptych::{Domain, Particles, Scene, Vector3};
 
-/// A cube of spheres of unit diameter and mass around a point mass, with the orbital frequency 1.
+/// A cube of spheres of unit diameter and mass that orbits a point mass with the angular frequency 1 rad/s.
 fn sheet(edge: f64, restitution: f64) -> Scene {
     let mut scene = empty([edge; 3], [true; 3], unit(), surface(restitution, 0.0));
     scene.domain = scene.domain.sheared(-1.5, 0.0).on_orbit(Orbit { rate: 1.0, vertical_frequency: 1.0 });
@@ -24,7 +24,8 @@ fn ring(count: usize, edge: f64, restitution: f64) -> (Scene, Particles) {
     (scene, particles)
 }
 
-/// Largest errors of place and velocity of one free sphere after two orbits with windows of `window` [s].
+/// Largest error of position [m] and velocity [m/s] of one free sphere after two orbits with windows (pieces) of
+/// `window` [s].
 fn error_of_free_motion(window: f64) -> f64 {
     let scene = sheet(40.0, 1.0);
     let (y, height) = (3.0, 2.0);
@@ -92,7 +93,8 @@ fn work_of_tides_and_shear_balances_the_energy() {
     }
 }
 
-/// Kicks find a particle beyond a sheared side with the velocity that it has there.
+/// The velocity of a particle beyond a sheared side differs from that of its image in the box. The kicks of a
+/// thermostat must use the velocity of the particle.
 #[test]
 fn a_thermostat_balances_the_energy_of_a_sheared_box() {
     let makers: [(&str, Box<dyn Engine>); 2] =

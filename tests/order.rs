@@ -19,8 +19,8 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Experiment with particles of two sizes between a floor and a lid in a gas. There are more particles than are summed
-/// in one piece.
+/// Experiment with particles of two sizes between a floor and a lid in a gas. There are so many particles that sums
+/// over them are computed in several pieces.
 fn channel() -> Experiment {
     let size = [edge(9500, small().diameter, 0.02); 3];
     let mut channel = experiment(

@@ -330,7 +330,7 @@ fn an_outcome_is_data_for_other_programs() {
     assert_eq!(failed["failure"]["escaped"]["time"], 1.5);
 }
 
-/// The Python package has the same units of columns as the table of columns.
+/// The Python package gives the columns the same units as the table of columns of the program.
 #[test]
 fn units_of_columns_are_those_of_the_python_package() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -84,8 +84,8 @@ fn rows_of_elastic_spheres_exchange_velocities_as_the_hard_engine_says() {
     assert!(Chain::of(&inelastic, &vectors).is_none());
 }
 
-/// The values are those in the heading of `cases/cooling-gas.toml`: T/T_0 = 0.206 after 20 ms, with 1897 collisions per
-/// second.
+/// T/T_0 (granular temperature over that at the start) is 0.206 after 20 ms, with 1897 collisions per second and
+/// sphere at first, as the heading of `cases/cooling-gas.toml` says.
 #[test]
 fn a_gas_cools_as_haff_says() {
     let mut scene = empty([edge(2000, 406e-6, 0.05); 3], [true; 3], small(), surface(0.9, 0.0));
@@ -109,8 +109,8 @@ fn a_gas_cools_as_haff_says() {
     assert!(Cooling::of(&lasting(&scene, 1.0), 2000, 1.0).is_none(), "friction takes energy as well");
 }
 
-/// Haff's law and the parabolas of a bouncing sphere leave out all other sources of motion, so that they are not offered
-/// as theory of scenes with such a source.
+/// Haff's law and the parabolas of a bouncing sphere leave out all other sources of motion. They are not offered as
+/// theory of scenes that have such a source.
 #[test]
 fn driven_scenes_have_no_closed_form() {
     let gas = empty([edge(2000, 406e-6, 0.05); 3], [true; 3], small(), surface(0.9, 0.0));
@@ -132,8 +132,8 @@ fn driven_scenes_have_no_closed_form() {
     assert!(Bouncing::of(&lasting(&box_of_one, 1.0), start).is_none(), "a thermal wall gives another speed");
 }
 
-/// Collisions by chance without Enskog's factor are fewer by the contact value, 1.303 at a volume fraction of 0.1. The
-/// TC model cools in another way than Haff's law says.
+/// Enskog's factor (contact value) is 1.303 at a volume fraction of 0.1. Without this factor, collisions by chance are
+/// fewer. With the TC model (elastic collisions in quick succession), a gas does not follow Haff's law.
 #[test]
 fn the_law_of_cooling_is_that_of_the_variant() {
     let scene = empty([edge(2000, 406e-6, 0.1); 3], [true; 3], small(), surface(0.9, 0.0));
@@ -150,7 +150,8 @@ fn the_law_of_cooling_is_that_of_the_variant() {
     assert_eq!(Cooling::of(&run, 2000, 1.0), None);
 }
 
-/// A theory that only one variant has is drawn with the name of this variant; one that all have, without names.
+/// A theory that only one variant has is drawn with the name of this variant. A theory that all variants have is drawn
+/// without names.
 #[test]
 fn theories_name_their_variants_if_they_differ() {
     let scene = |e: f64| empty([edge(120, 406e-6, 0.05); 3], [true; 3], small(), surface(e, 0.0));
@@ -260,7 +261,7 @@ fn pictures_over_time_of_steady_runs_follow_the_averages() {
     assert!(!folder.path().join("paths.csv").exists());
 }
 
-/// A second run of zero duration does not change the observers.
+/// Observers record a run of zero duration as one row, although they see its only instant twice.
 #[test]
 fn nothing_simulated_is_one_row() {
     let mut still =

@@ -37,7 +37,7 @@ impl Law for Sticky {
     }
 }
 
-/// Two spheres of 406 µm in a head-on impact at a relative speed [m/s].
+/// Two spheres of 406 µm that approach head-on at a relative speed [m/s], with the time step `step` [s].
 fn meeting(law: ContactLaw, speed: f64, step: f64, stepping: SoftStepping) -> Simulation {
     let scene = empty([4e-3; 3], [false; 3], small(), surface(1.0, 0.0));
     let right = 2e-3 + 406e-6 + 1e-6;
@@ -140,7 +140,8 @@ fn laws_that_break_a_contract_are_refused_with_the_contract() {
     assert!(matches!(refused(ContactLaw::other(Flat)), BrokenContract::Bottomless { .. }));
 }
 
-/// The potential has the depth k δ_0²/6, and the energy that a contact can return is counted from its lowest point.
+/// The potential of [`Sticky`] has the depth k δ_0²/6. The energy that a contact can return is counted from its lowest
+/// point.
 #[test]
 fn energy_that_a_contact_may_give_back_counts_from_the_bottom_of_the_well() {
     let law = ContactLaw::other(Sticky { stiffness: 300.0, range: 2e-6, dashpot: 0.0 });
@@ -168,8 +169,8 @@ fn a_law_that_attracts_keeps_its_contracts_at_every_speed() {
     }
 }
 
-/// A law whose contacts never end has no number of steps per contact. The run is refused, because its time step cannot
-/// be checked.
+/// A law whose contacts never end has no number of steps per contact. Without a given time step the run is refused,
+/// because its time step cannot be checked.
 #[test]
 fn a_law_whose_contacts_do_not_end_needs_a_time_step() {
     let law = ContactLaw::other(Sticky { stiffness: 300.0, range: 2e-6, dashpot: 1e-4 });

@@ -1,4 +1,4 @@
-//! The paper's Table 1 and its inconsistencies, recomputed by the library (docs/paper.md prints the results of these
+//! Table 1 of the paper and its inconsistencies, recomputed by the library (docs/paper.md prints the results of these
 //! tests).
 //!
 //! Expected values were computed from the printed parameters, independently of this code. A value given with n digits
@@ -27,9 +27,9 @@ struct Row {
     step: f64,
     /// Δt_p [s], corrected time step
     corrected_step: f64,
-    /// δ_max/d [-]
+    /// δ_max/d [-], largest overlap over diameter
     overlap: f64,
-    /// CFL_p^col [-]
+    /// CFL_p^col [-], Courant number of collisions
     courant: f64,
 }
 
@@ -52,7 +52,7 @@ const FLUID_STEP_OF_LARGE: f64 = 2.5e-5;
 /// [-] steps per contact N_c as printed, for all cases.
 const STEPS_PRINTED: f64 = 10.0;
 
-/// [-] θ of the hard-sphere criterion, section 3.4.
+/// [-] θ of the hard-sphere criterion Δt < θ d/u_r, section 3.4 of the paper.
 const THETA: f64 = 0.3;
 
 /// Values that the library computes for a row.
@@ -91,7 +91,7 @@ impl Computed {
         self.stiffness() * (self.overlap(&self.pair, factor) / overlap).powi(2)
     }
 
-    /// CFL_p^col of section 3.4 at u_r, equal to Δt u_r/d.
+    /// Courant number of collisions CFL_p^col (section 3.4 of the paper): time step times u_r over the diameter.
     fn courant(&self, step: f64) -> f64 {
         step * self.row.impact / self.pair.diameter
     }
@@ -146,7 +146,7 @@ fn digits(found: f64, wanted: f64, decimals: i32) {
     assert!((found - wanted).abs() < half, "{found} where {wanted} was computed independently");
 }
 
-/// Every column of Table 1, and its consequences.
+/// Every column of Table 1 of the paper, and its consequences.
 #[test]
 fn table_1() {
     // T_c of pair and wall [s], N_c of pair and wall at the corrected step, overlap at u_r and at 2 u_r, overlap at a
@@ -214,8 +214,8 @@ fn table_1() {
     }
 }
 
-/// Items 1 to 3 and 17: the spring repels; δ starts at 0 with slope |u⁰|, ends at T_c, and has the largest value of Eq.
-/// 10.
+/// Items 1 to 3 and 17 of the audit (docs/paper.md): the spring repels; the overlap δ starts at 0 with slope |u⁰|,
+/// ends at T_c, and has the largest value of Eq. 10.
 #[test]
 fn overlap_law() {
     const STEPS: usize = 100_000;
@@ -242,7 +242,7 @@ fn overlap_law() {
     }
 }
 
-/// Items 4 and 5: the agitation that follows from the printed u_r, and three speeds that differ.
+/// Items 4 and 5 of the audit (docs/paper.md): the agitation that follows from u_r as printed, and three speeds.
 #[test]
 fn speeds() {
     for (c, agitation) in all().iter().zip([1.299, 0.892, 0.735, 0.438, 0.369, 0.331]) {
@@ -261,7 +261,7 @@ fn speeds() {
     }
 }
 
-/// Items 6 and 12, and the box: numbers of particles from volume fractions.
+/// Items 6 and 12 of the audit (docs/paper.md), and the box: numbers of particles from volume fractions.
 #[test]
 fn counts() {
     for (c, (number, fraction)) in all().iter().zip([
@@ -285,7 +285,7 @@ fn counts() {
     assert!(4.1e-3 * 3.072e-4 / tiny.volume() > 7e11);
 }
 
-/// Item 7: the time step of cases E to G.
+/// Item 7 of the audit (docs/paper.md): the time step of cases E to G.
 #[test]
 fn step_of_the_large_particles() {
     for case in ["e", "f", "g"] {
@@ -302,8 +302,8 @@ fn step_of_the_large_particles() {
     }
 }
 
-/// Item 8: two contact times. The printed N_c is that of walls for the small particles, and that of pairs for the large
-/// particles.
+/// Item 8 of the audit (docs/paper.md): two contact times. The printed N_c is that of walls for the small particles,
+/// and that of pairs for the large particles.
 #[test]
 fn contact_times_of_walls() {
     for c in all() {
@@ -315,7 +315,7 @@ fn contact_times_of_walls() {
     }
 }
 
-/// Items 9 and 10: the printed overlaps and CFL numbers do not follow from the other values in their row.
+/// Items 9 and 10 of the audit (docs/paper.md): printed overlaps and CFL numbers do not follow from their row.
 #[test]
 fn printed_overlaps_and_courant_numbers() {
     for c in all() {
@@ -334,7 +334,7 @@ fn printed_overlaps_and_courant_numbers() {
     }
 }
 
-/// Items 11, 13, 15 and 19: response of the particles to the gas.
+/// Items 11, 13, 15 and 19 of the audit (docs/paper.md): response of the particles to the gas.
 #[test]
 fn gas_and_particles() {
     for (case, stated, friction, bulk, response, fits) in
@@ -363,8 +363,8 @@ fn gas_and_particles() {
     }
 }
 
-/// Item 16: friction is proportional to |f_n|, which includes the attraction at the end of a contact. Its impulse is
-/// larger than that of the hard-sphere rule with the factor 1 + e.
+/// Item 16 of the audit (docs/paper.md): friction is proportional to |f_n|, with the attraction at the end of a
+/// contact. Its impulse is larger than that of the hard-sphere rule with the factor 1 + e.
 #[test]
 fn impulse_of_friction() {
     const STEPS: usize = 200_000;
@@ -403,8 +403,8 @@ fn impulse_of_friction() {
     }
 }
 
-/// Item 18: Eq. 13. The mean of the largest overlaps is π/2 κ_n. The mean over the time of a contact is 2/π of this
-/// mean, κ_n.
+/// Item 18 of the audit (docs/paper.md): Eq. 13. The mean of the largest overlaps is π/2 κ_n, and the mean over the
+/// time of a contact is 2/π of this mean, which is κ_n.
 #[test]
 fn mean_overlap() {
     for c in all() {
@@ -416,7 +416,7 @@ fn mean_overlap() {
     }
 }
 
-/// Energy gain of RK2 in elastic contacts at the paper's time steps, and effect of a finite stiffness.
+/// Energy gain of the integrator RK2 in elastic contacts at the paper's steps, and effect of a finite stiffness.
 #[test]
 fn gain_of_the_integrator() {
     let gain = |contact: &ContactKind, c: &Computed, scheme: Scheme| {
@@ -442,7 +442,7 @@ fn gain_of_the_integrator() {
     }
 }
 
-/// Effect that a frozen gas leaves out: the mass of the particles over that of the gas.
+/// Effect that one-way coupling leaves out: the mass of the particles over that of the gas.
 #[test]
 fn mass_loading() {
     for (c, fraction) in all().iter().zip([1.2e-3, 4e-3, 1e-2, 4.1e-3, 1.4e-2, 4.1e-2]) {
@@ -455,8 +455,8 @@ fn mass_loading() {
     }
 }
 
-/// n/<n> in the first and the last slice of a published profile: the mean of both, its standard error, and the number
-/// of slices.
+/// Number density over its mean at the walls of a published profile: the mean of the first and the last slice, its
+/// standard error, and the number of slices.
 fn at_walls(profiles: &str, run: Option<&str>, variant: &str) -> (f64, f64, usize) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/results/paper").join(profiles);
     let mut reader = csv::Reader::from_path(path).unwrap();
@@ -470,9 +470,9 @@ fn at_walls(profiles: &str, run: Option<&str>, variant: &str) -> (f64, f64, usiz
     (0.5 * (first.0 + last.0), 0.5 * first.1.hypot(last.1), rows.len())
 }
 
-/// "Dwell at walls": soft spheres stay at a wall for a contact time, so that the first slice contains (Γ_w/2) T_c more
-/// of all particles. Γ_w [1/s] is from the table of the page. The correlation of the two slices is unknown; therefore
-/// the tolerance is four standard errors of the difference.
+/// "Dwell at walls": soft spheres stay at a wall for a contact time T_c, so that the first slice contains (Γ_w/2) T_c
+/// more of all particles. Γ_w [1/s] (impacts on walls per particle) is from docs/paper.md. The correlation of the two
+/// slices is unknown; therefore the tolerance is four standard errors of the difference.
 #[test]
 fn soft_spheres_dwell_at_walls() {
     const CASES: &str = "soft-and-hard/profiles.csv";

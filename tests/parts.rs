@@ -112,7 +112,8 @@ fn slices_of_parts_are_all_particles_in_order() {
     assert_eq!(seen, [(0..3000).collect::<Vec<u32>>(), Vec::new(), Vec::new()]);
 }
 
-/// Checksum of the state and sums over all particles, after some windows of a run in parts.
+/// Checksum of the state and sums over all particles, after some windows of a run that `size` processes begin in
+/// parts.
 fn run_in_parts(experiment: &Experiment, size: usize) -> (u64, String) {
     let run = |communicator: Arc<dyn Communicator>| {
         let start = Start::part(experiment, &*communicator).unwrap();
@@ -174,7 +175,7 @@ fn lingering() -> Experiment {
     experiment
 }
 
-/// State of a run in progress: the parts of all processes, and the common rest.
+/// Stored state of a run in progress: the parts of the particles of all processes, and the rest, which is common.
 type Left = (Vec<Vec<u8>>, Snapshot);
 
 fn leave(simulation: &mut Simulation) -> Left {
@@ -192,7 +193,8 @@ fn go_on(simulation: &mut Simulation) -> (u64, u64, f64) {
     (hash, simulation.record.pairs.count, simulation.energy())
 }
 
-/// Runs a simulation that begins in parts, in `size` processes. Returns the result of the lead process.
+/// Runs a simulation that begins in parts, in `size` processes. Returns the result of the function `lead` in the lead
+/// process. If `dealt` is true, the other processes take parts that the lead gives out.
 fn led<T: Send>(size: usize, experiment: &Experiment, dealt: bool, lead: impl Fn(Simulation) -> T + Sync) -> T {
     let work = |communicator: Arc<dyn Communicator>| {
         let start = Start::part(experiment, &*communicator).unwrap();

@@ -1,5 +1,5 @@
-//! Trajectories of a run divided into domains, with threads in place of processes. Together, the pieces of a frame must
-//! equal the frame of a single process.
+//! Trajectories of a run divided into domains (blocks of the box, one per process), with threads in place of
+//! processes. Together, the pieces of a frame must equal the frame of a single process.
 
 use crate::support::*;
 use crate::trajectory::{array, numbers};
@@ -19,8 +19,8 @@ use std::path::{Path, PathBuf};
 
 const EVERY: Trajectories = Trajectories { every: 1e-4, format: TrajectoryFormat::Vtp };
 
-/// Experiment of a gas with islands that falls in air between two walls. There are frames at samples, between samples,
-/// and at the end.
+/// Experiment of a gas with islands (groups of particles that may meet), which falls in air between two walls. There
+/// are frames at samples (instants of measurement), between samples, and at the end.
 fn gas(model: Model) -> Experiment {
     let size = edge(2000, small().diameter, 0.04);
     let mut scene = empty([size; 3], [true, false, true], small(), surface(0.9, 0.1));
@@ -43,7 +43,8 @@ fn gas(model: Model) -> Experiment {
 }
 
 /// Runs with trajectories into folders, one for each thread in place of a process. A single folder means a single
-/// process. The run begins at its start or at a stored state. Returns the result, and the state after `leave` windows.
+/// process. The run begins at its start or at the stored state `from`. Returns the result, and the state after `leave`
+/// windows (pieces of the run).
 fn run(
     experiment: &Experiment,
     folders: &[Folder],
@@ -110,7 +111,7 @@ fn sources(text: &str) -> Vec<&str> {
     text.split("Source=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect()
 }
 
-/// Reads all frames listed in the index.
+/// Reads all frames that the index of the trajectory lists, each with its time [s].
 fn frames(place: &Path) -> Vec<(f64, Frame)> {
     let place = place.join("trajectory");
     let index = std::fs::read_to_string(place.join("some.pvd")).unwrap();
@@ -166,7 +167,8 @@ fn check_header(joined: &str, piece: &Path) {
     assert_eq!(time(&text), time(joined));
 }
 
-/// Checks that the frames of both runs have identical bits. Returns the number of frames of the second run in pieces.
+/// Checks that the frames of both runs have identical bits. Returns the number of frames of the second run that
+/// consist of several files.
 fn same(name: &str, one: &[(f64, Frame)], other: &[(f64, Frame)]) -> usize {
     assert_eq!(one.len(), other.len(), "{name}");
     for ((time, one), (at, other)) in one.iter().zip(other) {

@@ -33,8 +33,8 @@ fn diptych(arguments: &[&str]) -> Output {
     output
 }
 
-/// The tolerance is the 10 % that the plan states for kinetic theory. The neglected effects (a shorter box, slices, a
-/// finite number) are a few per cent.
+/// Predicted rates agree with short runs within the 10 % that the plan states for kinetic theory. Effects that the
+/// plan neglects (a shorter box, slices, a finite number of particles) are a few per cent.
 #[test]
 fn collision_rates_of_runs() {
     for (name, sets) in [
@@ -57,7 +57,7 @@ fn collision_rates_of_runs() {
     }
 }
 
-/// Mean and 99 % quantile of the overlaps of about 30 000 contacts; the plan states an accuracy of 15 %.
+/// Mean and 99 % quantile of about 30 000 overlaps agree with the plan, which states an accuracy of 15 %.
 #[test]
 fn overlaps_of_a_gas() {
     let mut experiment = case("dense-gas", &["run.duration=3 ms", "run.average_from=0 s"]);
@@ -75,8 +75,8 @@ fn overlaps_of_a_gas() {
     }
 }
 
-/// The linear map predicts the restitution of the engine: mean square, weighted with energy, in an elastic gas with the
-/// paper's integrator and step.
+/// The linear map of the integrator predicts the restitution in an elastic gas, for the steps per contact of the
+/// paper. Compared is the mean square of the restitution, weighted with energy.
 #[test]
 fn realised_restitution_of_the_engine() {
     let mut experiment = case("dense-gas", &["particles[0].volume_fraction=0.05", "run.duration=8 ms"]);
@@ -182,7 +182,7 @@ fn a_stricter_target_asks_for_more() {
     assert!((strict.duration / loose.duration - 100.0).abs() < 1e-6, "{strict:?} {loose:?}");
 }
 
-/// Adds the keys of numbers without a unit in the JSON to `found`.
+/// Adds to `found` the keys of all numbers in a JSON value that have no entry in `units`.
 fn without_unit(value: &Value, key: &str, units: &Value, found: &mut Vec<String>) {
     match value {
         Value::Object(map) => map.iter().for_each(|(key, value)| without_unit(value, key, units, found)),
@@ -310,8 +310,8 @@ fn only_a_start_that_was_placed_has_neighbours_in_a_row() {
     assert!(planned(&case("cradle", &[])).plan.in_a_row);
 }
 
-/// The cradle runs for 200 windows of three time steps each. Local stepping, which searches in every window, is slower
-/// there. It is faster if spheres fly for long times.
+/// The cradle runs for 200 windows of three time steps each. There, local stepping (steps only for particles in
+/// contact) is slower, because it searches in every window. In windows of many steps it is faster.
 #[test]
 fn local_stepping_is_for_windows_of_many_steps() {
     let short = planned(&case("cradle", &[])).recommendation;
@@ -330,8 +330,8 @@ fn a_plan_of_no_time_ends() {
     }
 }
 
-/// A window of this run contains about 10⁹ collisions. A part of the window is timed, and the cost is extrapolated to
-/// the whole run.
+/// One window (piece of the run) contains about 10⁹ collisions. A part of a window is timed, and the cost is
+/// extrapolated to the whole run.
 #[test]
 fn a_plan_of_a_very_long_run_ends() {
     let sets = ["run.duration=1e8 s", "contact.restitution=1", "domain.size=[\"2 mm\", \"2 mm\", \"2 mm\"]"];
@@ -436,8 +436,8 @@ fn obstacles_of_the_start_are_those_of_the_plan() {
     assert!(some >= 2, "{some} cases have obstacles");
 }
 
-/// Softer spheres are in contact for a longer time. From a tenth of the time in contact on, stepping only the spheres
-/// in contact costs as much as stepping all.
+/// Softer spheres are in contact for a longer time. If they are in contact for a tenth of the time or more, stepping
+/// only the spheres in contact costs as much as stepping all.
 #[test]
 fn local_stepping_is_for_those_who_touch_rarely() {
     for (stiffness, engine) in [("30 kN/m", EngineChoice::SoftLocal), ("1 kN/m", EngineChoice::SoftUniform)] {
@@ -451,8 +451,8 @@ fn local_stepping_is_for_those_who_touch_rarely() {
     }
 }
 
-/// Half the period of a spring over the contact time: sqrt((2/7)/κ) for the tangential spring without damping,
-/// sqrt((2/5)/(2.25 μ_r²)) for the rolling spring.
+/// Half the period of a spring over the contact time. It is sqrt((2/7)/κ) for the tangential spring without damping
+/// (stiffness ratio κ), and sqrt((2/5)/(2.25 μ_r²)) for the rolling spring (rolling friction μ_r).
 #[test]
 fn the_spring_that_limits_the_time_step_is_named() {
     let limits = |sets: &[&str]| {

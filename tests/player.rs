@@ -1,4 +1,4 @@
-//! Recordings of particles, and pages with their animations.
+//! Recordings of the motion of particles, and pages that play them.
 
 use crate::support::{diptych, empty, experiment, small, surface, words};
 use diptych::engine::Failure;
@@ -60,7 +60,7 @@ fn a_recording_goes_on_as_it_was_stored() {
     assert_eq!(again, frames);
 }
 
-/// Recording in a page: its variants, and the number of bytes of each variant.
+/// Data of the recording in the page of a report, as JSON.
 fn recording(folder: &Path) -> serde_json::Value {
     let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
     assert!(page.len() < 3_000_000, "{} bytes", page.len());
@@ -125,7 +125,7 @@ fn what_stopped_is_not_ranked() {
     assert!(cost.contains("not ranked") && cost.matches(" ×").count() == 2 && cost.contains(">1.0 ×"), "{cost}");
 }
 
-/// The recorded spin of a ball that slides until it rolls approaches the value u/R of rolling.
+/// The recorded spin of a ball that slides until it rolls approaches u/R, the value of rolling (speed u, radius R).
 #[test]
 fn spins_are_recorded_where_spheres_rotate() {
     let folder = tempfile::tempdir().unwrap();

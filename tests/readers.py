@@ -1,9 +1,10 @@
-"""What other programs read of a run is what the run was: trajectories through the readers of VTK (ParaView's), ASE and OVITO, and states.
+"""Checks that other programs read the right numbers from trajectories: the readers of VTK (ParaView), ASE and OVITO.
 
     python3 tests/readers.py path/to/diptych
-    python3 tests/readers.py path/to/diptych 2       # built with MPI: the same of frames in pieces, by so many processes
+    python3 tests/readers.py path/to/diptych 2       # built with MPI: frames in pieces, written by 2 processes
 
-Compares every number with `state.csv` of the same run, bit by bit but for OVITO. Readers that are not installed are left out, with a message. Exit code 0: all that could be compared is equal.
+Compares every number with `state.csv` of the same run, bit by bit except for OVITO. Readers that are not installed are left out, with a message.
+The exit code is 0 if all numbers that could be compared are equal.
 """
 
 import csv
@@ -19,9 +20,9 @@ CASE = pathlib.Path(__file__).parent.parent / "cases" / "beads-in-air.toml"
 
 
 def run(program, folder, model, processes):
-    """A short run with frames in both formats and its state; returns the folder of the frames and the rows of the state by id."""
+    """Makes a short run with its final state and with frames in both formats. Returns the folder of the frames, and the rows of the state by id."""
     out = folder / model
-    # extended XYZ is one file of all particles, and so are both then
+    # frames in both formats are not in pieces, because extended XYZ is one file of all particles
     kind = "vtp" if processes > 1 else "both"
     short = ["--set", "run.duration=20 ms", "--set", f"output.format={kind}", "--every", "5 ms", "--save-state", "--quiet"]
     mpirun = ["mpirun", "--oversubscribe", "-n", str(processes)] if processes > 1 else []
@@ -33,14 +34,14 @@ def run(program, folder, model, processes):
 
 
 def same(what, found, expected):
-    """All numbers have the same bits."""
+    """Checks that all numbers have the same bits."""
     found, expected = [[struct.pack("<d", float(x)) for x in values] for values in (found, expected)]
     if found != expected:
         sys.exit(f"{what}: {sum(a != b for a, b in zip(found, expected))} of {len(expected)} numbers differ, {len(found)} read")
 
 
 def near(what, found, expected):
-    """All numbers are equal but for the last of their bits: OVITO reads decimal digits by a way of its own, off by up to two units in the last place."""
+    """Checks that all numbers are equal up to two units in the last place, because OVITO reads decimal digits by its own algorithm."""
     worst = max(abs(float(a) - b) / math.ulp(b) for a, b in zip(found, expected, strict=True))
     if worst > 2:
         sys.exit(f"{what}: off by up to {worst:.0f} units in the last place")
@@ -51,7 +52,7 @@ def columns(rows, names):
 
 
 def vtk(frames, name, rows, processes=1):
-    """The index, the last frame, the walls."""
+    """Checks the index, the last frame and the walls with the reader of VTK."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPPolyDataReader
 
@@ -61,7 +62,7 @@ def vtk(frames, name, rows, processes=1):
         reader.Update()
         return reader.GetOutput()
 
-    # the start is not cut into parts yet
+    # the frame of the start is not in parts
     files = sorted(path for path in (frames / name).iterdir() if path.suffix == ".pvtp" or path.suffix == ".vtp" and "-" not in path.name)
     assert files[-1].suffix == (".pvtp" if processes > 1 else ".vtp"), files
     index = (frames / f"{name}.pvd").read_text(encoding="utf-8")
@@ -84,7 +85,7 @@ def vtk(frames, name, rows, processes=1):
 
 
 def ase(frames, name, rows):
-    """The last frame."""
+    """Checks the last frame with the reader of ASE."""
     from ase.io import read
 
     atoms = read(sorted((frames / name).glob("*.xyz"))[-1], format="extxyz")
@@ -97,7 +98,7 @@ def ase(frames, name, rows):
 
 
 def ovito(frames, name, rows):
-    """All frames as one sequence."""
+    """Checks that OVITO reads all frames as one sequence."""
     from ovito.io import import_file
 
     pipeline = import_file(str(frames / name / "*.xyz"), sort_particles=True)
@@ -105,7 +106,7 @@ def ovito(frames, name, rows):
     particles = pipeline.compute(4).particles
     near("ovito positions", particles.positions[...].ravel(), columns(rows, "xyz"))
     near("ovito velocities", particles["Velocity"][...].ravel(), columns(rows, ["vx", "vy", "vz"]))
-    # kept in single precision there
+    # OVITO stores radii in single precision
     wrong = [r for r, row in zip(particles["Radius"][...], rows, strict=True) if abs(2 * float(r) / float(row["diameter"]) - 1) > 6e-8]
     assert not wrong, wrong
     return "5 frames"

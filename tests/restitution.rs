@@ -27,7 +27,7 @@ const LINEAR: ContactLaw = ContactLaw::linear(3000.0);
 const HERTZ: ContactLaw = ContactLaw::Hertz(Hertz { elasticity: ELASTICITY });
 const KUWABARA_KONO: ContactLaw = ContactLaw::KuwabaraKono(KuwabaraKono { elasticity: ELASTICITY });
 
-/// Laws whose restitutions at 0.02 to 2 m/s are between 0.5 and 1.
+/// Laws for the restitution as a function of the speed. From 0.02 to 2 m/s their restitutions are between 0.5 and 1.
 fn laws() -> [RestitutionBySpeed; 4] {
     [
         RestitutionBySpeed::Bridges { speed: 0.05, exponent: 0.15 },
@@ -41,8 +41,8 @@ fn viscoelastic() -> RestitutionBySpeed {
     RestitutionBySpeed::viscoelastic(0.85, 0.5)
 }
 
-/// The restitution of `laws()[k]` at a speed [m/s], written out. That of viscoelastic spheres is compared with its series
-/// below, and with the equation of motion beside the law.
+/// Restitution of `laws()[k]` at a speed [m/s], from a formula written out here. The law of viscoelastic spheres is
+/// taken from the library; other tests check it.
 fn written_out(k: usize, speed: f64) -> f64 {
     match k {
         0 if speed < 0.05 => 1.0,
@@ -87,8 +87,8 @@ fn contact_time(law: &ContactLaw, of: RestitutionBySpeed, speed: f64) -> f64 {
     law.contact_time(&law.between(&bodies), speed)
 }
 
-/// Series of Ramírez et al. (1999, Phys. Rev. E 60, 4465): e = 1 - C1 β + C2 β², with β ∝ u^(1/5). The third term is left
-/// out; its coefficient is below 1.
+/// Series of Ramírez et al. (1999, Phys. Rev. E 60, 4465) for the restitution of viscoelastic spheres: e = 1 - C1 β +
+/// C2 β², with β ∝ u^(1/5) (normal speed u). The third term is left out; its coefficient is below 1.
 #[test]
 fn viscoelastic_spheres_follow_the_series_of_slow_impacts() {
     let (c1, c2) = (1.15344, 0.79826);
@@ -121,9 +121,10 @@ fn impacts_without_duration_have_the_restitution_of_their_speed() {
     }
 }
 
-/// The dashpot of a contact is that of the speed at its first touch. The order at touch is 1 (linear: exact instants of a
-/// smooth force, classical Runge-Kutta: 1e-9 at 200 steps), 5/4 (Hertz: 2.5e-4 at e = 0.5 as in `hertz::`), and 3/2
-/// (Kuwabara and Kono: a root of time, 200^(-3/2) = 3.5e-4 of the loss).
+/// The dashpot of a contact follows from the speed at its first touch. A linear spring has a smooth force; with exact
+/// instants and Runge-Kutta, the error is 1e-9 at 200 steps. The error at touch is of order 5/4 for Hertz (2.5e-4 at
+/// the restitution 0.5). It is of order 3/2 for Kuwabara and Kono, whose force begins as a root of time (200^(-3/2) =
+/// 3.5e-4 of the loss).
 #[test]
 fn contacts_have_the_restitution_of_their_speed_under_every_soft_law() {
     for (k, of) in laws().into_iter().enumerate() {
@@ -145,7 +146,8 @@ fn contacts_have_the_restitution_of_their_speed_under_every_soft_law() {
     }
 }
 
-/// Realised restitution of a head-on impact of soft spheres, whose ledger closes to the error of the steps.
+/// Restitution in a run of a head-on impact of soft spheres. Checks that the energy balance closes up to the error of
+/// the time steps.
 fn realised_soft(law: RestitutionBySpeed, speed: f64, engine: Box<dyn Engine>, lasts: f64) -> f64 {
     let (scene, start, touch) = head_on(law, speed);
     let end = run(&scene, start, engine, touch + 1.5 * lasts, 1);
@@ -156,7 +158,8 @@ fn realised_soft(law: RestitutionBySpeed, speed: f64, engine: Box<dyn Engine>, l
     (end.particles.velocity[1].x - end.particles.velocity[0].x) / speed
 }
 
-/// With Kuwabara and Kono's law the dashpot is a constant of the material: it does not depend on the first touch.
+/// With Kuwabara and Kono's law the dashpot is a constant of the material: it does not depend on the speed at first
+/// touch.
 #[test]
 fn the_law_of_viscoelastic_spheres_has_one_dashpot_for_all_speeds() {
     let bodies = diptych::contact_law::Bodies::alike(&small(), &by_speed(viscoelastic(), 0.0));
@@ -166,7 +169,8 @@ fn the_law_of_viscoelastic_spheres_has_one_dashpot_for_all_speeds() {
     assert!(of_hertz(10.0) > 2.0 * of_hertz(1e-3));
 }
 
-/// Heights of a ball after each bounce: h' = e(u)² h with u² = 2 g h, by the closed form alone.
+/// Heights h of a ball after each bounce, by the closed form alone: h' = e(u)² h with the restitution e(u) at the
+/// impact speed u = sqrt(2 g h).
 #[test]
 fn a_ball_bounces_to_the_heights_of_its_law() {
     for law in laws() {
@@ -192,7 +196,8 @@ fn a_ball_bounces_to_the_heights_of_its_law() {
     }
 }
 
-/// Coulomb's limit of a hard impact contains e at the speed of that impact, with and without rotation.
+/// Coulomb's limit of the tangential impulse of a hard impact is μ (1 + e) times the normal momentum. Here e is the
+/// restitution at the speed of this impact, with and without rotation.
 #[test]
 fn the_impulse_of_friction_follows_the_restitution_of_the_speed() {
     let law = laws()[1];
@@ -214,8 +219,9 @@ fn the_impulse_of_friction_follows_the_restitution_of_the_speed() {
     }
 }
 
-/// Haff's law of viscoelastic spheres: the loss in a collision goes as u^2 u^(1/5), and the rate as u, so that dT/dt goes as
-/// -T^(8/5): T^(-3/5) grows linearly in time (Schwager and Pöschel 1998, Phys. Rev. E 57, 650, to first order in β).
+/// Haff's law of viscoelastic spheres. The loss in a collision varies as u² u^(1/5) with the speed u, and the
+/// collision rate as u, so dT/dt varies as -T^(8/5) (granular temperature T). So T^(-3/5) grows linearly in time
+/// (Schwager and Pöschel 1998, Phys. Rev. E 57, 650, to first order in β).
 #[test]
 fn a_gas_of_viscoelastic_spheres_cools_with_the_power_five_thirds() {
     let count = 40_000;
@@ -275,7 +281,7 @@ fn the_same_bits_on_any_number_of_threads_and_processes() {
     }
 }
 
-/// Ways in which the gas can be run.
+/// Copies of the experiment `of` with each model, contact law and kind of time steps that can run the gas.
 fn ways(of: &Experiment) -> Vec<Experiment> {
     let mut ways = Vec::new();
     for stepping in [HardStepping::Events, HardStepping::Steps { theta: 0.05 }] {
@@ -299,9 +305,9 @@ fn ways(of: &Experiment) -> Vec<Experiment> {
     ways
 }
 
-/// Contacts keep the dashpot of their first touch through a snapshot; energies close to rounding for impacts, and to the
-/// order of the steps for contacts: 20 steps per contact of the second order lose or gain up to 1/20² of what an impact
-/// changes, and uniform steps notice a touch late.
+/// A stored state keeps the dashpots of contacts in progress, which follow from their first touch. Energies close up
+/// to rounding for instantaneous impacts. For contacts the error is that of the time steps: up to 1/20² of the change
+/// in an impact at 20 steps per contact, and more for uniform steps, which notice a touch late.
 #[test]
 fn runs_go_on_from_snapshots_with_the_same_bits_and_their_ledgers_close() {
     let (scene, _) = gas(300, 0.15);
@@ -384,9 +390,10 @@ fn a_plan_takes_the_restitution_at_the_mean_speed_of_impact() {
     assert!(of.scene.restitution_of_pairs().is_none());
 }
 
-/// `plan` adds the bounces of a ball up; hard spheres stop when they are over, by their infinite number. The sum leaves out
-/// bounces slower than a millionth of the first, after some n = 500. Since u falls as n^-5, these take n/4 flights of 1e-6
-/// of the first, 1.3e-4, in a sum of some ten first flights: 1.3e-5 of the time. Twice as much is allowed.
+/// The command `plan` adds up the bounces of a ball; a run of hard spheres stops when their infinite number is over.
+/// The sum leaves out bounces slower than a millionth of the first, after some n = 500. Since the speed falls as n^-5,
+/// these take n/4 flights of 1e-6 of the first, 1.3e-4. The sum is some ten first flights, so 1.3e-5 of the time is
+/// left out. Twice as much is allowed.
 #[test]
 fn a_ball_comes_to_rest_when_its_bounces_are_over() {
     let mut scene = empty([0.02; 3], [true, false, true], small(), surface(1.0, 0.0));

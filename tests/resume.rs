@@ -256,7 +256,7 @@ fn a_hundred_kills_lose_nothing() {
     }
 }
 
-/// Folder of a run that was killed just after it had written its second checkpoint.
+/// Folder of a run that was killed just after it had written its second checkpoint (stored state).
 fn killed_after_two(more: &[&str], place: &Path) -> PathBuf {
     let folder = place.join("killed");
     let mut child = start("run", BASE, more, &folder);
@@ -278,7 +278,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// The newer and the older one of two stored states. Their number follows the line with the name of the program.
+/// The newer and the older one of two stored states. The serial number of a state follows the second line of its file.
 fn by_age(folder: &Path) -> [PathBuf; 2] {
     let generation = |path: &PathBuf| {
         let bytes = std::fs::read(path).unwrap();

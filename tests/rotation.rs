@@ -1,4 +1,5 @@
-//! Rotating spheres: reference values computed independently (oracle, sections RA to RE), balances, and equal bits.
+//! Rotating spheres: reference values computed independently (sections RA to RG of the catalogue of reference values),
+//! balances, and equal bits.
 
 mod closed_forms;
 mod gases;
@@ -38,7 +39,7 @@ struct Surfaces {
     friction: f64,
     /// [-] ratio k_t/k_n of the tangential to the normal stiffness.
     stiffness: f64,
-    /// [-] tangential dashpot c_t/(M ω_0).
+    /// [-] tangential dashpot c_t, divided by the effective mass and the normal frequency of the contact.
     dashpot: f64,
     /// [-] tangential restitution β_0 of Walton's rule, which is compared with the spring.
     walton: f64,
@@ -79,7 +80,8 @@ fn ball() -> Species {
     Species { diameter: 2.0 * RADIUS, density: 4000.0, ..small() }
 }
 
-/// Ball thrown at a floor at an angle [°] from the normal, with a forward spin R ω/V [-].
+/// Ball thrown with the speed V at a floor at an angle [°] from the normal, with a forward spin R ω/V [-] (radius R,
+/// spin ω).
 fn thrown(surfaces: &Surfaces, impact: ImpactRule, (angle, spin): (f64, f64)) -> (Scene, Particles) {
     let of = surface(surfaces.restitution, surfaces.friction);
     let mut scene = empty([0.1; 3], [true, false, true], ball(), of);
@@ -93,7 +95,8 @@ fn thrown(surfaces: &Surfaces, impact: ImpactRule, (angle, spin): (f64, f64)) ->
     (scene, particles)
 }
 
-/// Velocities and spin after the bounce [-], over the speed V before: (v_t'/V, R ω'/V, v_n'/V).
+/// Velocity along the floor, radius times spin, and velocity normal to the floor after the bounce [-], divided by the
+/// speed before it.
 fn bounced(scene: Scene, particles: Particles, engine: Box<dyn Engine>) -> [f64; 3] {
     let mut simulation = Simulation::with_engine(scene, particles, engine);
     simulation.run(20, 1e-5).unwrap();
@@ -111,8 +114,9 @@ fn soft(restitution: f64, steps: f64, stepping: SoftStepping) -> Box<dyn Engine>
     Box::new(Soft::new(ContactLaw::linear(STIFFNESS), Integrator::VelocityVerlet, step, stepping))
 }
 
-/// RA: surfaces, angle [°], R ω_0/V; then v_t'/V and R ω'/V of the spring (limit μ max(f_n, 0)), and the same of
-/// Walton's rule.
+/// Reference values of one bounce (section RA of the catalogue): surfaces, angle of impact [°], and radius times spin
+/// before the bounce. Then the velocity along the floor and radius times spin after it, first with a spring whose
+/// force is at most μ max(f_n, 0), then with Walton's rule. All speeds are divided by the speed before the bounce.
 const AT_WALL: &[(Surfaces, f64, f64, [f64; 2], [f64; 2])] = &[
     (W1, 2.0, 0.0, [0.030541524, 0.010894932], [0.021936826, 0.032406676]),
     (W1, 5.0, 0.0, [0.070284542, 0.042178002], [0.054783610, 0.080930333]),
@@ -199,8 +203,9 @@ fn hybrid_impacts_are_hard_ones() {
     assert!(worst(&[0.294285714, 0.514285714], &found) < 2e-9, "{found:?}");
 }
 
-/// RE: a ball dropped with spin; (v_0, R ω_0, first impact speed, e, μ, β_0), and (v, R ω) after each bounce. The final
-/// velocity is (5 v_0 + 2 R ω_0)/7.
+/// A ball dropped with spin (section RE of the catalogue). Each entry has v_0, R ω_0, the speed of the first impact,
+/// e, μ and β_0, then v and R ω after each bounce. Here v is the velocity along the floor, R the radius and ω the
+/// spin. The final velocity is (5 v_0 + 2 R ω_0)/7.
 #[test]
 fn a_ball_dropped_with_spin_bounces_as_it_must() {
     let bounces = [
@@ -236,8 +241,8 @@ fn a_ball_dropped_with_spin_bounces_as_it_must() {
     }
 }
 
-/// RE: a soft ball on an incline rolls or slips. From rest, without a tangential dashpot, it oscillates about the
-/// rolling motion.
+/// A soft ball on an incline rolls or slips (section RE of the catalogue). From rest, without a tangential dashpot, it
+/// oscillates about the rolling motion.
 #[test]
 fn a_soft_ball_rolls_down_an_incline() {
     for (stepping, tolerance) in [(SoftStepping::Local, 1e-6), (SoftStepping::Uniform, 2e-3)] {
@@ -271,7 +276,8 @@ fn a_soft_ball_rolls_down_an_incline() {
     }
 }
 
-/// RG 2: without friction, spins do not change in any bit, and everything else is as without rotation.
+/// Without friction, spins do not change in any bit, and everything else is as without rotation (section RG 2 of the
+/// catalogue).
 #[test]
 fn without_friction_rotation_changes_nothing() {
     for model in [Model::Soft, Model::Hard, Model::Hybrid, Model::Dsmc] {

@@ -24,12 +24,13 @@ fn rough(deviation: f64) -> Option<WallRoughness> {
     Some(WallRoughness { deviation, seed: 11 })
 }
 
-/// The spheres, at a place from which they touch the floor after 1 µm of fall.
+/// Spheres that fly at the speed 1 m/s onto a floor whose facets have the given deviation [rad]. They start 1 µm above
+/// the floor.
 fn rain(deviation: f64, surface: Surface, angle: f64) -> (Scene, Particles) {
     rain_of(COUNT, deviation, surface, angle)
 }
 
-/// A number of spheres as those of [`rain`].
+/// A number of spheres that fly onto a floor as those of [`rain`].
 fn rain_of(count: usize, deviation: f64, surface: Surface, angle: f64) -> (Scene, Particles) {
     let mut scene = empty([0.2, 0.2, 0.2], [true, false, true], small(), surface);
     scene.walls = vec![plane([0.0; 3], [0.0, 1.0, 0.0], surface)];
@@ -42,13 +43,14 @@ fn rain_of(count: usize, deviation: f64, surface: Surface, angle: f64) -> (Scene
     (scene, start)
 }
 
-/// Tilts (along the flight, across it) [rad] of the facets that impacts met, from the change of velocity, which is along
-/// the normal of the facet where there is no friction.
+/// Tilts [rad] of the facets of a rough wall that impacts met, along the flight and across it. They follow from the
+/// change of velocity, which is along the normal of the facet if there is no friction.
 fn tilts(scene: &Scene, start: &Particles, engine: Box<dyn Engine>, angle: f64) -> Vec<[f64; 2]> {
     tilts_after((scene, start), engine, 2.2e-6 / angle.sin(), 0)
 }
 
-/// Tilts as those of [`tilts`], for a run of `duration` [s]. At its end up to `again` spheres may move into the wall.
+/// Tilts of facets as in [`tilts`], for a run of `duration` [s]. At its end up to `again` spheres may still move into
+/// the wall.
 fn tilts_after(
     (scene, start): (&Scene, &Particles),
     engine: Box<dyn Engine>,
@@ -68,8 +70,9 @@ fn tilts_after(
     end.particles.velocity.iter().zip(&start.velocity).map(tilt).collect()
 }
 
-/// Moments <γ_1>, <γ_1²>, <γ_2²> and <γ_1⁴> of the tilts by a midpoint rule over both, whose weight is the Gaussian times
-/// the share that the facet shows, where the rebound leaves the wall.
+/// Moments <γ_1>, <γ_1²>, <γ_2²> and <γ_1⁴> of the tilts γ_1 (along the flight) and γ_2 (across it) of facets that
+/// spheres meet, by a midpoint rule. The weight of a tilt is the Gaussian times the share of the facet that the flight
+/// sees; it is 0 if the rebound does not leave the wall.
 fn quadrature(deviation: f64, e: f64, angle: f64) -> [f64; 4] {
     const CELLS: i32 = 400;
     let reach = 6.0 * deviation;
@@ -94,8 +97,8 @@ fn quadrature(deviation: f64, e: f64, angle: f64) -> [f64; 4] {
     sums.map(|sum| sum / whole)
 }
 
-/// Means over 20,000 independent facets lie within five standard errors of the quadrature, which errs by less. At grazing
-/// angles facets lean towards the flight, so that spheres rebound more steeply than they come.
+/// Means over 20,000 independent facets lie within five standard errors of the numerical integral, whose own error is
+/// smaller. At grazing angles facets lean towards the flight, so that spheres rebound more steeply than they come.
 #[test]
 fn facets_have_the_density_of_sommerfeld_and_huber() {
     for deviation in [0.05, 0.3] {
@@ -149,10 +152,10 @@ fn with_contacts(k: f64) -> [(&'static str, Box<dyn Engine>, f64); 4] {
     ]
 }
 
-/// A soft or hybrid sphere meets the facet that a hard sphere of the same velocity meets, and leaves it with the same
-/// velocity and spin, to the error of its steps. One sphere in a hundred may be farther off: it leaves nearly along the
-/// wall, and the error decides if it meets a second facet. Heun's method is left out: its predicted state changes the
-/// velocity, and so the draw, before the turn.
+/// A soft or hybrid sphere meets the same facet as a hard sphere of the same velocity, and leaves it with the same
+/// velocity and spin, up to the error of its time steps. One sphere in a hundred may be farther off: it leaves nearly
+/// along the wall, and the error decides if it meets a second facet. Heun's method is left out, since its predicted
+/// state changes the velocity, and so the random facet.
 #[test]
 fn soft_contacts_end_as_hard_impacts_do() {
     const SOME: usize = 2000;
@@ -198,7 +201,8 @@ fn soft_contacts_end_as_hard_impacts_do() {
     }
 }
 
-/// Mean tilts of soft contacts lie within five standard errors of the quadrature, as those of impacts do.
+/// Mean tilts of the facets that soft contacts meet lie within five standard errors of the numerical integral, like
+/// those of hard impacts.
 #[test]
 fn soft_contacts_meet_facets_of_that_density() {
     let (k, e, deviation) = (1e5, 0.6, 0.3);
@@ -219,8 +223,8 @@ fn soft_contacts_meet_facets_of_that_density() {
     }
 }
 
-/// Turned velocities do no work: the books of a gas with weight between rough walls close as well as those of the same
-/// gas between smooth walls, and momentum closes to rounding.
+/// Facets turn velocities without work. The energy balance of a gas with weight closes as well between rough walls as
+/// between smooth ones, and the momentum balance closes to rounding.
 #[test]
 fn facets_do_no_work_on_soft_contacts() {
     for (e, friction) in [(1.0, 0.0), (0.9, 0.3)] {
@@ -247,8 +251,8 @@ fn facets_do_no_work_on_soft_contacts() {
     }
 }
 
-/// A sphere that falls onto a rough floor comes to rest on it: the turn of its last impact stays, the floor is smooth from
-/// then on, and so the speed along the floor does not grow.
+/// A sphere that falls onto a rough floor comes to rest on it. The facet of its last impact stays, and the floor is
+/// smooth from then on, so the speed along the floor does not grow.
 #[test]
 fn a_sphere_at_rest_on_a_rough_floor_is_not_driven() {
     for local_steps in [false, true] {
@@ -286,7 +290,8 @@ fn gas(count: usize, of: Surface, deviation: f64) -> (Scene, Particles) {
     (scene, start)
 }
 
-/// A facet is at rest: an elastic impact keeps the energy to rounding, and every ledger closes.
+/// A facet does not move: an elastic impact keeps the energy up to rounding, and the energy balance closes in every
+/// engine.
 #[test]
 fn facets_do_no_work() {
     for (e, friction) in [(1.0, 0.0), (0.9, 0.0), (0.9, 0.3)] {
@@ -313,8 +318,8 @@ fn facets_do_no_work() {
     }
 }
 
-/// The impulse of a wall along its smooth normal is what counts as pressure; along the wall the facets take no mean momentum
-/// at normal incidence.
+/// The impulse of a rough wall along the normal of the smooth wall counts as pressure. At normal incidence, the facets
+/// exert no mean force along the wall.
 #[test]
 fn the_pressure_is_that_along_the_smooth_normal() {
     let (scene, start) = rain(0.1, surface(1.0, 0.0), 90f64.to_radians());

@@ -38,7 +38,8 @@ fn thrown(species: Species, velocity: [f64; 3], duration: f64) -> Experiment {
     experiment
 }
 
-/// [m/s] velocity at the end of a run in which each window of the schedule is divided into `parts`.
+/// [m/s] velocity at the end of a run in which each window of the schedule (time between two drag kicks) is divided
+/// into `parts` equal parts.
 fn velocity(experiment: &Experiment, parts: u64) -> Vector3<f64> {
     let schedule = Schedule::new(experiment);
     let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
@@ -48,9 +49,9 @@ fn velocity(experiment: &Experiment, parts: u64) -> Vector3<f64> {
 }
 
 /// Falls of spheres with terminal Reynolds numbers of 45, 297, 551 and 1730, stopped early, halfway and late. The
-/// reference has windows a twentieth as long, with a four-hundredth of the error. The drag coefficient jumps by 0.4 %
-/// at Re = 1000, which the largest sphere passes. There, the wrong coefficient acts for half a window at most, and the
-/// deceleration is below g.
+/// reference has windows (times between two drag kicks) a twentieth as long, with a four-hundredth of the error. The
+/// drag coefficient jumps by 0.4 % at Re = 1000, which the largest sphere passes. There, the wrong coefficient acts
+/// for half a window at most, and the deceleration is below g.
 #[test]
 fn windows_for_a_fall_from_rest() {
     let sphere = |diameter: f64| Species { diameter, ..large() };
@@ -81,7 +82,8 @@ fn windows_for_a_throw_across() {
     }
 }
 
-/// Many spheres that start at rest have no longer windows than one sphere, because collisions require shorter windows.
+/// If many spheres start at rest, the windows (times between two drag kicks) are no longer than for one sphere,
+/// because collisions require shorter windows.
 #[test]
 fn windows_for_beads_at_rest() {
     let alone = Schedule::new(&thrown(large(), [0.0; 3], 0.5)).window;
@@ -107,8 +109,8 @@ fn slowing(model: Model) -> Experiment {
     crowd
 }
 
-/// Windows grow while drag slows the particles down, equally for every model. They are at most as long as those of a
-/// case that begins with the present state.
+/// Windows (times between two drag kicks) grow while drag slows the particles down, equally for every model. They are
+/// at most as long as those of a case that begins with the present state.
 #[test]
 fn windows_grow_while_a_crowd_slows_down() {
     let crowd = slowing(Model::Hard);
@@ -138,7 +140,8 @@ fn windows_grow_while_a_crowd_slows_down() {
     assert!((simulation.time - 1.0).abs() < 1e-9);
 }
 
-/// Windows have one length if the particles start with the velocity of the gas, or if the gas keeps driving them.
+/// Windows (times between two drag kicks) all have one length if the particles start with the velocity of the gas, or
+/// if the gas keeps driving them.
 #[test]
 fn windows_stay_where_the_gas_keeps_particles_moving() {
     let mut crowd = slowing(Model::Hard);
@@ -156,8 +159,8 @@ fn windows_stay_where_the_gas_keeps_particles_moving() {
     assert_eq!(Schedule::new(&crowd).longest(), Schedule::new(&crowd).window);
 }
 
-/// Windows have one length if something feeds energy to the particles: the speed of a sphere that drag slows down is
-/// then no limit of theirs.
+/// Windows (times between two drag kicks) have one length if something gives energy to the particles, because the
+/// speed of a sphere slowed by drag alone then says nothing about their speeds.
 #[test]
 fn windows_stay_where_particles_gain_energy() {
     let smooth = || surface(0.9, 0.0);
@@ -206,8 +209,9 @@ fn windows_stay_where_particles_gain_energy() {
     }
 }
 
-/// A scene that an inlet fills has the windows of a scene that starts with as many particles, with drag, with two-way
-/// coupling and with a thermostat. With an outlet, the particles count that come in while one crosses the box.
+/// A scene that an inlet fills has the windows (times between two drag kicks) of a scene that starts with as many
+/// particles. This holds with drag, with two-way coupling and with a thermostat. With an outlet, the particles count
+/// that come in during the time in which one particle crosses the box.
 #[test]
 fn windows_count_what_inlets_bring() {
     let region = Cavity::Box { center: Vector3::repeat(2.5e-3), half_extents: Vector3::repeat(2.5e-3) };
@@ -242,7 +246,8 @@ fn windows_count_what_inlets_bring() {
     assert!((fed.expected_count() - (1.0 + 99.0 * 8.660254)).abs() < 1e-3, "{}", fed.expected_count());
 }
 
-/// A run that is stopped after every window and resumed has identical bits. Its observers are called at their times.
+/// A run that is stopped after every window (time between two drag kicks) and resumed has identical bits. Its
+/// observers are called at their times.
 #[test]
 fn growing_windows_can_be_left_anywhere() {
     let crowd = slowing(Model::Soft);
@@ -266,8 +271,8 @@ fn growing_windows_can_be_left_anywhere() {
     assert!(gaps[..gaps.len() - 1].iter().all(|gap| *gap < 3.0 * gaps[0]), "{gaps:?}");
 }
 
-/// Within one long window, every engine reports its progress, so that an observer finds times between its start and its
-/// end.
+/// Within one long window (piece of the run), every engine reports its progress, so that an observer sees times
+/// between the start and the end of the window.
 #[test]
 fn a_long_window_tells_where_it_is() {
     let scene = empty([edge(600, 1.0, 0.05); 3], [true; 3], unit(), surface(0.9, 0.0));
@@ -303,7 +308,8 @@ fn a_long_window_tells_where_it_is() {
     }
 }
 
-/// Cases of the project with hard spheres, each once, and their windows.
+/// Cases of the project with hard spheres, each once. Their experiments have the windows (times between two drag
+/// kicks) of the case.
 fn shipped() -> Vec<(String, Experiment)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let files = ["cases", "cases/paper"].map(|folder| std::fs::read_dir(root.join(folder)).unwrap());
@@ -346,7 +352,8 @@ fn shortened(experiment: &Experiment, count: usize, seed: u64) -> Experiment {
     short
 }
 
-/// Simulation after `windows` windows of the experiment, each divided into `parts`.
+/// Simulation after `windows` windows (times between two drag kicks) of the experiment, each divided into `parts`
+/// equal parts.
 fn moved(experiment: &Experiment, windows: u64, parts: u64) -> Result<Simulation, Failure> {
     let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());
     simulation.run(windows * parts, experiment.run.window.unwrap() / parts as f64)?;
@@ -354,9 +361,9 @@ fn moved(experiment: &Experiment, windows: u64, parts: u64) -> Result<Simulation
     Ok(simulation)
 }
 
-/// A few particles in the whole box of every case, which seldom collide. With half the window, the paths of most
-/// particles change by no more than promised for a single sphere. An impact on a wall is between two kicks. Its error
-/// is of first order in the window for one sphere, and of second order on average.
+/// A few particles, which seldom collide, in the whole box of every case. With half the window (time between two drag
+/// kicks), the paths of most particles change by no more than promised for a single sphere. Within a window, an impact
+/// on a wall has an error of first order in the window for one sphere, and of second order on average.
 #[test]
 fn half_the_window_changes_no_path() {
     let mut looked_at = 0;
@@ -391,10 +398,10 @@ fn half_the_window_changes_no_path() {
     assert!(looked_at > 25, "{looked_at} cases");
 }
 
-/// Many particles, which collide and have chaotic paths: agitation and mean velocity over an interval of time, averaged
-/// over several starts. A change of the agitation by 2 to 4 % would be found. The splitting is of second order, so that
-/// windows eight times as long have 64 times the error. If their error is not found, that of the present windows is
-/// below a thousandth.
+/// Many particles, which collide and have chaotic paths: agitation and mean velocity over an interval of time,
+/// averaged over several starts. A change of the agitation by 2 to 4 % would be found. Drag and flight are computed in
+/// turn (splitting of second order), so windows eight times as long have 64 times the error. If this error is not
+/// found, the error of the present windows is below a thousandth.
 #[test]
 fn half_the_window_changes_no_average() {
     const STARTS: u64 = 16;

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Law of this library without its closed forms: only the response time is given.
+/// Drag law of this library without its closed forms: it gives only the response time.
 #[derive(Debug)]
 struct Bare<L>(L);
 
@@ -138,7 +138,7 @@ fn a_law_of_the_callers_runs_in_a_simulation() {
     }
 }
 
-/// Shape of this library without its closed form for the time of touch: only the nearest point is given.
+/// Shape of this library without its closed form for the time of touch: it gives only the nearest point.
 #[derive(Debug)]
 struct Nearby<G>(G);
 

@@ -8,8 +8,9 @@ use diptych::placement::initial_state;
 use diptych::schedule::Schedule;
 use diptych::simulation::Simulation;
 
-/// `[observe.seen_gas]` of one state is the plain mean over the particles of each slice; in homogeneous turbulence the gas
-/// seen has the variance of the gas, and the share of Tchen with the particles, within four standard errors.
+/// The measurement `[observe.seen_gas]` of one state is the plain mean over the particles of each slice. In
+/// homogeneous turbulence the gas that particles see has the variance of the gas. Its covariance with the particle
+/// velocity is the share given by Tchen, within four standard errors.
 #[test]
 fn the_gas_that_particles_see_is_measured() {
     let count = 6000;

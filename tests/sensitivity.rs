@@ -17,10 +17,10 @@ const SMALL_CHANNEL: [&str; 5] = [
     "--set=statistics.slices=10",
 ];
 
-/// Built-in factors for spheres that rotate.
+/// Built-in factors (changes of a case) for spheres that rotate.
 const OF_ROTATION: [&str; 4] = ["rotation", "tangential-restitution", "tangential-stiffness", "rolling"];
 
-/// All other built-in factors.
+/// Built-in factors (changes of a case), without those for spheres that rotate.
 const ALL: [&str; 12] = [
     "model",
     "stiffness",
@@ -54,13 +54,13 @@ fn study(case: &[&str], arguments: &[&str]) -> (Option<i32>, String, Value) {
     (output.status.code(), words(&output.stdout), summary)
 }
 
-/// Factors of a study by name.
+/// Factors (changes of the case) of a study by name.
 fn factors(summary: &Value) -> BTreeMap<String, Value> {
     let all = summary["factors"].as_array().unwrap();
     all.iter().map(|factor| (factor["name"].as_str().unwrap().to_owned(), factor.clone())).collect()
 }
 
-/// Number of a shift, divided by the scale of its observable.
+/// The number `of` (such as "difference") of the shift of an observable, divided by the scale of the observable.
 fn share(factor: &Value, observable: &str, of: &str) -> f64 {
     let all = factor["shifts"].as_array().unwrap();
     let shift = all.iter().find(|shift| shift["observable"] == observable).unwrap_or_else(|| panic!("{factor}"));
@@ -214,7 +214,7 @@ fn a_plan_says_what_would_run_and_runs_nothing() {
     assert!(!out.exists());
 }
 
-/// Restitution and friction change for all pairs of species, and for all species at walls.
+/// The factors of restitution and friction change these for all pairs of species, and for all species at walls.
 #[test]
 fn pairs_of_kinds_move_with_the_others() {
     let folder = tempfile::tempdir().unwrap();
@@ -255,7 +255,8 @@ fn factors_of_rotation_change_the_motion_of_a_ball_on_a_floor() {
     );
 }
 
-/// The wall gives the rolling friction of the test above for itself, and the law another one.
+/// A wall or a pair has its own rolling friction, and the rolling law has another one. The factor "rolling" changes
+/// both.
 #[test]
 fn rolling_friction_of_walls_and_pairs_moves_with_that_of_the_law() {
     let law = ["cases/rotation/slide-to-roll.toml", "--set=soft.rolling.spring.friction=0.001"];

@@ -1,5 +1,5 @@
-//! Servo walls: equilibrium, relaxation and fast motion of one sphere against other solutions, the ledger, a stop and continuation, a pressed
-//! crowd, and messages.
+//! Servo walls (which move to keep the pressure on them): equilibrium, relaxation and fast motion of one sphere
+//! against other solutions. Also the ledger, a run that is stopped and continued, a pressed crowd, and messages.
 
 use crate::support::*;
 use diptych::Experiment;
@@ -11,7 +11,8 @@ use diptych::simulation::Simulation;
 use diptych::study::plan_of;
 use std::f64::consts::PI;
 
-/// One sphere of 1 mm on a floor, and a servo plate 20 µm above it. Spheres and walls have one stiffness.
+/// One sphere of 1 mm on a floor, and a servo plate (which keeps a pressure) 20 µm above it. Spheres and walls have
+/// one stiffness.
 const ONE: &str = r#"
 [domain]
 size = ["2 mm", "4 mm", "2 mm"]
@@ -76,8 +77,9 @@ fn the_pressure_relaxes_in_the_time_of_damping_over_stiffness() {
     close("pressure", reached, 1.0 - (-1.0_f64).exp(), 0.02);
 }
 
-/// Distances [m] of a plate that presses a sphere of `mass` [kg] on a floor, at the ends of windows of `window` [s]:
-/// independent integration of both bodies in small steps. Both contacts are a spring of 1000 N/m with the dashpot of e = 0.5.
+/// Distances [m] of a plate that presses a sphere of `mass` [kg] on a floor, at the ends of windows (pieces) of
+/// `window` [s]. Both bodies are integrated independently of the library, in small steps. Both contacts are a spring
+/// of 1000 N/m with the dashpot of the restitution 0.5.
 fn pressed_sphere(mass: f64, damping: f64, window: f64, windows: usize) -> Vec<f64> {
     const STEPS: u32 = 200;
     let (stiffness, area) = (1e3, 4e-6);
@@ -159,7 +161,8 @@ fn damping_and_windows_follow_from_the_contact_time() {
     assert!(share(&[r#"run.window="1 ms""#]) <= most);
 }
 
-/// Crowd of 200 spheres between a floor and a servo plate, periodic along x and z.
+/// Dense group of 200 spheres between a floor and a servo plate (which moves to keep its pressure), periodic along x
+/// and z.
 const CROWD: &str = r#"
 [domain]
 size = ["5 mm", "16 mm", "5 mm"]

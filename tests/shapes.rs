@@ -11,7 +11,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Shape of this library with its nearest point only.
+/// Shape of this library that gives only its nearest point, and no closed form for the time of touch.
 #[derive(Debug)]
 struct Nearby<G>(G);
 
@@ -145,7 +145,8 @@ fn a_sphere_in_a_corner_has_a_contact_with_every_side() {
     }
 }
 
-/// Every engine and way of stepping.
+/// Engines of hard spheres, and of soft spheres (stiffness `k`, time step `dt`) with each kind of time steps and
+/// integrator.
 fn engines(k: f64, dt: f64) -> [(&'static str, Box<dyn Fn() -> Box<dyn diptych::engine::Engine>>); 6] {
     use diptych::experiment::Integrator::{Rk2, VelocityVerlet};
     [
@@ -182,9 +183,9 @@ fn cube_of_triangles(edge: f64, n: u32) -> Vec<[Vector3<f64>; 3]> {
     heap
 }
 
-/// Checks that a sphere of radius 0.5 touches the inner side of a room again when it slides along it. The sphere starts
-/// at a position with normal `normal` and moves fast in the direction `down`. It leaves the wall slowly, or not at all.
-/// A sphere that lies on the wall touches it at once.
+/// Checks that a sphere of radius 0.5 touches the inner side of a room again when it slides along it. The sphere
+/// starts at the position `place`, where the wall has the normal `normal`, and moves fast in the direction `down`. It
+/// leaves the wall slowly, or not at all. A sphere that lies on the wall touches it at once.
 fn stays_on(wall: &dyn Geometry, place: Vector3<f64>, [normal, down]: [Vector3<f64>; 2], fastest: f64) {
     for (gap, sideways) in [(0.0, 0.0), (1e-15, 0.0), (1e-10, 0.3), (1e-5, 0.3)] {
         for leaves in [1.0, 1e-2, 1e-4, 1e-6, 0.0].map(|leaves| leaves * fastest) {
@@ -344,7 +345,8 @@ fn pressure_on_walls_is_that_of_the_gas() {
     }
 }
 
-/// Ratio P/(n_b Z m T) of a gas of hard spheres in a vessel, its standard error, and the number of impacts on walls.
+/// Pressure P of a gas of hard spheres in a vessel over its theoretical value n_b Z m T (number density n_b in the
+/// interior, compressibility factor Z). Then its standard error, and the number of impacts on walls.
 fn pressure_ratio(scene: &Scene, count: usize, area: f64) -> (f64, f64, u64) {
     let particles = random(scene, count, 1.0, 9);
     let temperature = 2.0 * particles.kinetic_energy() / (3.0 * count as f64);

@@ -48,7 +48,8 @@ fn sheared(edge: f64, rate: f64, restitution: f64) -> Scene {
     scene
 }
 
-/// `count` random spheres that fill a sheared cube to `phi`; their mean velocity relative to the mean flow is zero.
+/// `count` random spheres that fill a sheared cube to the volume fraction `phi`; their mean velocity relative to the
+/// mean flow is zero.
 fn gas(count: usize, phi: f64, restitution: f64, seed: u64) -> (Scene, Particles) {
     let scene = sheared(edge(count, 1.0, phi), 1.0, restitution);
     let mut particles = random(&scene, count, 1.0, seed);
@@ -57,11 +58,12 @@ fn gas(count: usize, phi: f64, restitution: f64, seed: u64) -> (Scene, Particles
     (scene, particles)
 }
 
-/// Two spheres that meet across the sheared side, and the same two spheres near the middle of a box at rest, with the
-/// upper one replaced by its image.
+/// Two spheres that meet across the sheared side of a box. If `at_rest` is true, the same two spheres near the middle
+/// of a box at rest, with the upper one replaced by its image.
 ///
-/// The lower sphere is at y = 0.6, the upper one at y = 9.3 in a box of 10; at time t its image is at y = -0.7, displaced
-/// by -γ L_y t along z, and slower by γ L_y. Positions are such that the two touch after about 0.3 s.
+/// The lower sphere is at y = 0.6, the upper one at y = 9.3 in a box of height L_y = 10. At time t the image of the
+/// upper sphere is at y = -0.7, displaced by -γ L_y t along z, and slower by γ L_y (shear rate γ). Positions are such
+/// that the two touch after about 0.3 s.
 fn two(rate: f64, at_rest: bool) -> (Scene, Particles) {
     let mut scene = sheared(10.0, rate, 0.8);
     let sliding = rate * 10.0;
@@ -243,7 +245,8 @@ fn neither_threads_nor_the_order_of_the_store_change_a_bit() {
     }
 }
 
-/// Temperature and stress, in units of mass, diameter and shear rate, after a shear of 20 and during one of 80 more.
+/// Granular temperature and shear stress of a steadily sheared gas, in units of mass, diameter and shear rate. They
+/// are averaged over a shear (shear rate times time) of 80, after a shear of 20.
 fn steady(phi: f64) -> (f64, f64) {
     let (scene, start) = gas(500, phi, 0.9, 10);
     let mut simulation = Simulation::with_engine(scene.clone(), start, hard());
@@ -276,8 +279,9 @@ fn steady_shear_follows_kinetic_theory() {
     }
 }
 
-/// Ratios that a plan expects, against long runs of the same scene (docs/design/shear.md, "Soft or hard"): dissipation rate
-/// over shear rate of hard spheres, and by how much the stress of soft spheres is lower, with its standard error.
+/// A plan for a sheared box expects two ratios, which agree with long runs (docs/design/shear.md, "Soft or hard").
+/// They are the dissipation rate of hard spheres over the shear rate, and the relative decrease of the stress with
+/// soft spheres, with its standard error.
 #[test]
 fn plans_say_how_far_soft_spheres_are_from_hard_ones() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/shear/soft-or-hard.toml");
@@ -308,7 +312,8 @@ fn plans_say_how_far_soft_spheres_are_from_hard_ones() {
     }
 }
 
-/// The temperature of a sheared gas is that of its steady state, whatever the fluctuations at the start are.
+/// The temperature that a plan predicts for a sheared gas is that of the steady state, for any fluctuations at the
+/// start.
 #[test]
 fn a_plan_for_a_sheared_box_forgets_the_fluctuations_of_the_start() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/shear/soft-or-hard.toml");
@@ -381,7 +386,8 @@ fn files_of_a_sheared_box_tell_its_offset_and_its_stress() {
     }
 }
 
-/// The neighbour list of a sheared box has all pairs whose gap is below its skin, also those across the sheared sides.
+/// The neighbour list of a sheared box has all pairs whose gap is below the margin (skin) of the list, also those
+/// across the sheared sides.
 #[test]
 fn lists_have_all_pairs_within_the_skin_across_sheared_sides() {
     for (count, phi) in [(2000, 0.02), (2000, 0.3)] {

@@ -1,8 +1,8 @@
 //! Rates of wrong verdicts for pairs of equal runs of all kinds of scenes, and for invented averages with a known
 //! difference.
 //!
-//! The following command prints the tables of docs/theory/statistics.md:
-//! `cargo test --release --test it -- --ignored --nocapture size_and_power`.
+//! The following command prints the tables of docs/theory/statistics.md: `cargo test --release --test it -- --ignored
+//! --nocapture size_and_power`.
 
 use diptych::case::Case;
 use diptych::outcome::Outcome;
@@ -17,7 +17,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Scene, and the numbers of replicas in comparisons of pairs of its runs.
+/// Scene whose runs are compared in pairs. `replicas` has the numbers of replicas (runs with different seeds) on each
+/// side of a comparison.
 struct Scene {
     name: &'static str,
     case: &'static str,
@@ -75,7 +76,7 @@ impl Scene {
     }
 }
 
-/// Number of comparisons with each answer.
+/// Number of comparisons with each answer: equivalent, different or unresolved.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     different: usize,
@@ -102,7 +103,8 @@ impl Tally {
     }
 }
 
-/// Answers for pairs of equal runs with `replicas` replicas on both sides, drawn from the given runs.
+/// Answers for pairs of equal systems, with `replicas` replicas on each side, drawn at random from the given runs.
+/// Also returns how often each kind of comparison was made.
 fn equal_pairs(runs: &[Outcome], replicas: usize, pairs: usize) -> (Tally, [usize; 4]) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(replicas as u64);
     let mut order: Vec<usize> = Vec::new();
@@ -152,7 +154,7 @@ fn size_and_power_of_equal_pairs() {
     }
 }
 
-/// Series of unit variance with a relaxation time given in samples.
+/// Random series with variance 1. Its correlation falls by the factor e in `relaxation` samples.
 fn noise(count: usize, relaxation: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
     let rho = (-1.0 / relaxation).exp();
     let mut slow: f64 = StandardNormal.sample(random);
@@ -164,7 +166,7 @@ fn noise(count: usize, relaxation: f64, random: &mut Xoshiro256PlusPlus) -> Vec<
     (0..count).map(|_| next()).collect()
 }
 
-/// Difference of two systems at a position from -1 to 1. The second argument is the number of positions.
+/// Difference of two systems as a function of a position from -1 to 1. The second argument is the number of positions.
 type Shape = fn(f64, usize) -> f64;
 
 const SHAPES: [(&str, Shape); 4] = [
@@ -174,7 +176,7 @@ const SHAPES: [(&str, Shape); 4] = [
     ("one slice", |y, count| f64::from(u8::from((y - 0.41).abs() < 0.99 / count as f64))),
 ];
 
-/// Six profiles and two numbers of an invented run. The first profile is shifted.
+/// Six profiles and two numbers of an invented run. The first profile is shifted by `size` times the function `shape`.
 fn profiles(slices: usize, size: f64, shape: Shape, random: &mut Xoshiro256PlusPlus) -> Vec<Observable> {
     let y: Vec<f64> = (0..slices).map(|k| (2 * k + 1) as f64 / slices as f64 - 1.0).collect();
     let names = ["number_density_ratio", "U", "uu", "vv", "ww", "uv", "granular temperature", "pair impacts per time"];
@@ -199,7 +201,8 @@ fn observable(name: &'static str, places: Vec<f64>, parts: Vec<Option<Batches>>)
     Observable { name: name.into(), unit: "", places, parity, fixed_mean: false, scale: 10.0, scale_is: "10", parts }
 }
 
-/// Four curves with twenty instants from `replicas` replicas. The first curve is shifted.
+/// Four curves over time at twenty instants, from `replicas` invented replicas. The first curve is shifted by `size`
+/// times the function `shape`.
 fn curves(replicas: usize, size: f64, shape: Shape, random: &mut Xoshiro256PlusPlus) -> Vec<Observable> {
     let y: Vec<f64> = (0..20).map(|k| (2 * k + 1) as f64 / 20.0 - 1.0).collect();
     let mut one = |(place, name): (usize, &'static str)| {
@@ -213,7 +216,8 @@ fn curves(replicas: usize, size: f64, shape: Shape, random: &mut Xoshiro256PlusP
     ["granular temperature", "energy", "T along y", "impacts"].into_iter().enumerate().map(&mut one).collect()
 }
 
-/// Answers for the shifted observable alone, in `pairs` pairs.
+/// Compares `pairs` pairs of invented runs, of which one is shifted in its first observable. Counts the answers for
+/// this observable alone.
 fn shifted(pairs: u64, margin: f64, run: impl Fn(bool, &mut Xoshiro256PlusPlus) -> Vec<Observable> + Sync) -> Tally {
     let one = |pair: u64| -> Comparison {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(pair);
@@ -224,15 +228,15 @@ fn shifted(pairs: u64, margin: f64, run: impl Fn(bool, &mut Xoshiro256PlusPlus) 
     Tally::of(answers.into_iter())
 }
 
-/// True if at most 5 % of the pairs are called equivalent, within three standard errors. This is required for a
-/// difference of exactly the margin.
+/// True if at most 5 % of the pairs are called equivalent, within three standard errors. This is required if the true
+/// difference equals the margin (largest accepted difference).
 fn is_rare(tally: Tally) -> bool {
     let all = tally.all as f64;
     tally.equivalent as f64 <= 0.05 * all + 3.0 * (0.05 * 0.95 * all).sqrt()
 }
 
-/// Answers if replicas are added in groups of four, up to 32, until a test after a group gives an answer. Also returns
-/// the mean number of replicas.
+/// Counts the answers if replicas (runs) are added in groups of four, up to 32, until a test after a group gives an
+/// answer. Also returns the mean number of replicas.
 fn until_decided(pairs: u64, margin: f64, size: f64, shape: Shape) -> (Tally, f64) {
     let one = |pair: u64| -> (Answer, usize) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(pair);
@@ -317,14 +321,15 @@ fn equivalence_at_the_margin_is_rare_wherever_the_difference_is() {
     sequential(100, &[0.0, 1.0]);
 }
 
-/// Recommendation of an unresolved comparison: a longer run, or a number of replicas.
+/// Recommendation of an unresolved comparison: a longer run, or a larger number of replicas (runs with different
+/// seeds).
 enum Advice {
     Longer,
     Replicas(usize),
 }
 
 /// Number of unresolved pairs among 15, and number of these that are decided if the recommendation is followed. Also
-/// returns the mean factor on the duration or on the number of replicas.
+/// returns the mean factor by which duration or number of replicas grows.
 fn advised(scene: &Scene, advice: &Advice, margin: f64) -> (usize, usize, f64) {
     let experiment = |seed: u64| {
         let sets: Vec<String> = scene.sets.iter().map(|set| (*set).to_owned()).collect();

@@ -1,5 +1,5 @@
-//! The state between two windows is one value. A run that is stored in the middle and restored has the same bits as an
-//! uninterrupted run.
+//! The state between two windows (pieces of a run) is one value. A run that is stored in the middle and restored has
+//! the same bits as an uninterrupted run.
 
 use crate::support::{edge, empty, experiment, plane, small, surface};
 use diptych::contact_law::{ContactLaw, Hertz};
@@ -23,7 +23,7 @@ use diptych::statistics::Accumulator;
 use diptych::walls::{Cavity, Hollow};
 use diptych::{Stored, Vector3};
 
-/// [s] length of a window: about 130 soft steps.
+/// [s] length of a window (piece of a run): about 130 soft steps.
 const WINDOW: f64 = 5e-5;
 
 /// Experiment of spheres of 406 µm with friction in a periodic cube with the volume fraction `phi`.
@@ -55,7 +55,7 @@ fn mixture() -> Experiment {
     mixture
 }
 
-/// Enough spheres for a tabulated drag law, in a gas that carries them along.
+/// Experiment of so many spheres that drag comes from a table, in a gas that carries the spheres along.
 fn blown() -> Experiment {
     let mut blown = crowd(1100, 0.02, 0.5);
     let drag = Some(Drag::SchillerNaumann(SchillerNaumann));
@@ -65,7 +65,7 @@ fn blown() -> Experiment {
     blown
 }
 
-/// A crowd in a sheared box, whose images slide by a tenth of the box in a window.
+/// A dense group of spheres in a sheared box, whose images slide by a tenth of the box in a window (piece of the run).
 fn sheared() -> Experiment {
     let mut sheared = crowd(200, 0.2, 0.5);
     let domain = sheared.scene.domain;
@@ -80,7 +80,7 @@ fn heated() -> Experiment {
     heated
 }
 
-/// A crowd that comes in on one side and leaves on the other, a few particles in each window.
+/// A dense group of spheres that come in on one side and leave on the other, a few in each window (piece of the run).
 fn passing() -> Experiment {
     let mut passing = crowd(200, 0.1, 0.5);
     let edges = passing.scene.domain.size;
@@ -117,7 +117,7 @@ fn scenes() -> Vec<(&'static str, Experiment)> {
     ]
 }
 
-/// All ways of running an experiment.
+/// Copies of the experiment `of` with every model and kind of stepping, each with its name.
 fn ways(of: &Experiment) -> Vec<(String, Experiment)> {
     let mut ways = Vec::new();
     for (name, stepping, contact_time) in [
@@ -150,7 +150,7 @@ fn ways(of: &Experiment) -> Vec<(String, Experiment)> {
     ways
 }
 
-/// All bits of the state between two windows.
+/// All bits of the state between two windows (pieces of a run), as stored.
 fn bits(simulation: &Simulation) -> Stored {
     Stored::of(&simulation.snapshot().unwrap()).unwrap()
 }
@@ -184,8 +184,8 @@ fn a_run_stored_between_two_windows_goes_on_with_the_same_bits() {
     }
 }
 
-/// Heun's method heats an elastic gas: the energy grows by a fifth in the second part of this run. The check of energies
-/// explains the gain before and after a pause.
+/// Heun's method heats an elastic gas: the energy grows by a fifth in the second part of this run. The check that the
+/// energy grows by no more than the errors of the method passes before and after a pause.
 #[test]
 fn a_resumed_run_explains_the_gain_of_its_scheme() {
     let mut gas = crowd(200, 0.2, 0.5);
@@ -295,8 +295,8 @@ fn lent(observers: &mut [Box<dyn Observer>]) -> Vec<&mut dyn Observer> {
     observers.iter_mut().map(|observer| &mut **observer as &mut dyn Observer).collect()
 }
 
-/// All bits of a run and its observers at the end. The run is stopped after every `every` windows, stored and resumed.
-/// Also returns the number of stops.
+/// All bits of a run and its observers at the end. The run is stopped after every `every` windows (pieces of the run),
+/// stored and resumed. Also returns the number of stops.
 fn in_parts(experiment: &Experiment, every: u64) -> (Stored, u64) {
     let schedule = Schedule::new(experiment);
     let mut simulation = Simulation::new(experiment, initial_state(experiment).unwrap());

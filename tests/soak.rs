@@ -1,5 +1,5 @@
-//! Many random dense gases (crowds), each with every way of stepping. Energy and momentum may change only by the errors
-//! that the schemes can explain.
+//! Many random dense gases (crowds), each with every engine and kind of time steps. Energy and momentum may change
+//! only by the errors that the schemes can explain.
 
 use crate::support::*;
 use diptych::contact_law::ContactLaw;
@@ -15,27 +15,28 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 
-/// Largest number of simultaneous contacts of a sphere in these crowds, as a factor on squared frequencies. n springs
-/// at one sphere raise the largest ω_0² of the linear system at most n-fold (row sums of Gershgorin's theorem).
+/// Largest number of simultaneous contacts of a sphere in these dense gases, which is a factor on squared frequencies.
+/// A sphere with n springs raises the largest squared frequency of the linear system at most n-fold (row sums of
+/// Gershgorin's theorem).
 pub const TOGETHER: f64 = 3.0;
 
-/// Crowd of spheres of at most unit mass, with stiffness and time step.
+/// Dense gas (crowd) of spheres of at most unit mass, with stiffness and time step.
 pub struct Crowd {
     pub scene: Scene,
     pub start: Particles,
     pub stiffness: f64,
     /// [s] time step.
     pub step: f64,
-    /// [s] length of a window.
+    /// [s] length of a window (piece of the run).
     pub window: f64,
     pub windows: u64,
     /// Description of the crowd, for messages.
     pub words: String,
 }
 
-/// Crowd with this seed: volume fraction 0.15 to 0.5, overlaps of 0.2 to 2 % of a diameter, 8 to 25 steps per contact,
-/// windows of 0.5 to 10 contact times. Every third crowd has walls and gravity, every second is inelastic, every fourth
-/// has friction.
+/// Dense gas (crowd) with this seed: volume fraction 0.15 to 0.5, overlaps of 0.2 to 2 % of a diameter, 8 to 25 steps
+/// per contact, windows (pieces of the run) of 0.5 to 10 contact times. Every third one has walls and gravity, every
+/// second is inelastic, every fourth has friction.
 pub fn crowd(seed: u64) -> Crowd {
     let mut draw = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut log = |low: f64, high: f64| low * (high / low).powf(draw.random::<f64>());
@@ -70,8 +71,8 @@ pub fn crowd(seed: u64) -> Crowd {
     }
 }
 
-/// Unexplained energy [J] and momentum [kg m/s] in the worst window, and the errors there that the scheme and rounding
-/// explain.
+/// Unexplained energy [J] and momentum [kg m/s] in the worst window (piece of a run), and the errors in this window
+/// that the scheme and rounding explain.
 pub struct Books {
     pub energy: f64,
     pub energy_allowed: f64,
@@ -79,15 +80,15 @@ pub struct Books {
     pub momentum_allowed: f64,
 }
 
-/// [J] sum of M u_n²/2 over all impacts of a simulation with spheres of at most unit mass. M/2 is at most 1/4 for a
-/// pair and 1/2 at a wall.
+/// [J] sum of M u_n²/2 over all impacts of a simulation with spheres of at most unit mass (effective mass M, normal
+/// speed u_n). M/2 is at most 1/4 for a pair and 1/2 at a wall.
 pub fn energy_of_impacts(simulation: &Simulation) -> f64 {
     let record = &simulation.record;
     0.25 * record.pairs.normal_speed.sum_of_squares() + 0.5 * record.walls.normal_speed.sum_of_squares()
 }
 
-/// Runs a crowd through its windows. `explained` returns the energy [J] that the scheme may have added or removed up to
-/// now.
+/// Runs a dense gas through its windows (pieces of the run). `explained` returns the energy [J] that the scheme may
+/// have added or removed up to the present time.
 pub fn books(
     crowd: &Crowd,
     engine: Box<dyn Engine>,
@@ -123,7 +124,8 @@ pub fn books(
     Ok((worst, simulation))
 }
 
-/// Ways of stepping by name, with the fraction of M u_n²/2 that the scheme may add or remove in an impact.
+/// Engines and kinds of time steps by name, with the fraction of M u_n²/2 (effective mass M, normal speed u_n) that
+/// the scheme may add or remove in an impact.
 ///
 /// With x = ω_0 Δt of the stiffest motion ([`TOGETHER`]), the fraction is 1/(1 - x²/4) - 1 for Verlet's method in
 /// uniform steps (see `predict::energy::Bound`). The classical Runge-Kutta method has an error of x⁵/120 of the
@@ -147,7 +149,7 @@ pub fn engines(crowd: &Crowd) -> Vec<(&'static str, Box<dyn Engine>, f64)> {
     ]
 }
 
-/// Runs the crowds with these seeds, prints the worst case of each way of stepping, and returns the faults.
+/// Runs the dense gases with these seeds, prints the worst case of each engine, and returns the faults.
 fn soak(seeds: std::ops::Range<u64>) -> Vec<String> {
     let mut faults = Vec::new();
     let mut summary: Vec<(&str, u64, u64, f64, f64)> = Vec::new();

@@ -6,13 +6,14 @@ use std::path::Path;
 
 const HEADER: &str = "x,y,z,vx,vy,vz,diameter,species\n";
 
-/// Reads the small channel of the inputs without gas, with two species of spheres from the table `text`. Returns the
-/// experiment and its warnings.
+/// Reads the small channel of the test inputs without gas, with two species of spheres from the table `text`. Returns
+/// the experiment and its warnings.
 fn read(text: &str, sets: &[&str], model: Model) -> Result<(Experiment, String), String> {
     read_named("start.csv", text, sets, model)
 }
 
-/// Reads the small channel with a file of another name in place of the table.
+/// Reads the small channel of the test inputs with the text of a file that has another name than the table
+/// `start.csv`.
 fn read_named(name: &str, text: &str, sets: &[&str], model: Model) -> Result<(Experiment, String), String> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join(name), text).unwrap();
@@ -36,8 +37,8 @@ fn read_named(name: &str, text: &str, sets: &[&str], model: Model) -> Result<(Ex
     read.map(|(experiment, warnings)| (experiment, told(warnings))).map_err(|error| error.to_string())
 }
 
-/// The structure of rock salt: large spheres on a face-centred cubic lattice, small ones in the holes between them. It
-/// fills 0.793 of the room, more than equal spheres can.
+/// Rock salt: large spheres on a face-centred cubic lattice, small ones in the holes between them. The spheres fill
+/// 0.793 of the volume, more than equal spheres can.
 #[test]
 fn only_equal_spheres_are_held_to_the_densest_packing_of_equal_spheres() {
     let large = 1e-3 * 0.5_f64.sqrt() * (1.0 - 1e-6);

@@ -39,7 +39,8 @@ fn the_virial_of_one_impact() {
     }
 }
 
-/// Gas of unit spheres at T = 1 in a periodic cube.
+/// Outcome of a gas of unit spheres at the granular temperature 1 m²/s² in a periodic cube. It runs for `duration` [s]
+/// and is averaged from the time `from` [s] on.
 fn gas(phi: f64, spheres: Spheres, (duration, from): (f64, f64)) -> Outcome {
     let scene = empty([edge(1000, 1.0, phi); 3], [true; 3], unit(), surface(1.0, 0.0));
     let mut experiment = experiment(scene, 1000, [0.0; 3], 1.0, Model::Hard, 3);

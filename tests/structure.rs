@@ -20,7 +20,8 @@ use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 
-/// Mean of S over all whole numbers whose wave numbers are in a bin, as a plain sum; both signs are summed.
+/// Mean of the structure factor over all wave vectors in a periodic cube whose wavenumber is in a bin, as a plain sum
+/// over both signs. Also returns the number of wave vectors.
 fn plain_structure(size: f64, positions: &[Vector3<f64>], from: f64, to: f64) -> (f64, usize) {
     let most = (to * size / (2.0 * PI)).ceil() as i32;
     let (mut sum, mut count) = (0.0, 0);
@@ -70,7 +71,8 @@ fn the_structure_factor_is_a_plain_sum() {
     }
 }
 
-/// S(q) of the Percus-Yevick equation by Simpson's rule over the direct correlation function.
+/// Structure factor at the wavenumber `q` by the Percus-Yevick equation, from Simpson's rule over the direct
+/// correlation function.
 fn percus_yevick_structure(q: f64, phi: f64) -> f64 {
     const PARTS: usize = 2000;
     let free = (1.0 - phi).powi(4);
@@ -122,7 +124,8 @@ fn the_structure_factor_is_that_of_hard_spheres() {
     }
 }
 
-/// Spheres in a face-centred cubic crystal that overlap by a thousandth of their diameter.
+/// Experiment and state of spheres in a face-centred cubic crystal. Neighbours overlap by a thousandth of the
+/// diameter.
 fn crystal() -> (Experiment, Particles) {
     let mut crystal = gas(256, 0.1, 1.0, Model::Soft);
     let edge = 2.0_f64.sqrt() * 0.999;
@@ -164,7 +167,7 @@ fn a_crystal_has_twelve_contacts() {
     }
 }
 
-/// A column at rest: contact k from the top carries the weight of k spheres.
+/// A column of spheres at rest: the contact with number k from the top carries the weight of k spheres.
 #[test]
 fn a_column_carries_its_weight() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("cases/column.toml");
@@ -197,7 +200,7 @@ fn a_column_carries_its_weight() {
     assert!(found.remark.is_some() && found.numbers.iter().all(|number| number.value.is_none()));
 }
 
-/// The integral of each field over the box is the sum over the particles, and a uniform crystal has uniform fields.
+/// The integral of each coarse-grained field over the box is the sum over the particles.
 #[test]
 fn fields_conserve_mass_momentum_and_stress() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(13);
@@ -249,7 +252,8 @@ fn fields_conserve_mass_momentum_and_stress() {
     }
 }
 
-/// A crystal with a Gaussian wider than its cells: density and stress are uniform, and the pressure is Σ r f/(3V).
+/// Fields of a crystal, coarse-grained with a Gaussian that is wider than the cells of the crystal. Density and stress
+/// are uniform, and the pressure is Σ r f/(3V) (distance r and force f of each contact, volume V).
 #[test]
 fn fields_of_a_crystal_are_uniform() {
     let (crystal, state) = crystal();
@@ -268,7 +272,8 @@ fn fields_of_a_crystal_are_uniform() {
     }
 }
 
-/// The kinetic stress of a hard gas in a cell is n m T, whatever the grid.
+/// The kinetic stress of a gas of hard spheres in a cell is n m T for any grid (number density n, mass m, granular
+/// temperature T).
 #[test]
 fn fields_of_a_gas_have_its_temperature() {
     let mut gas = gas(1000, 0.1, 1.0, Model::Hard);

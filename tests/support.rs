@@ -163,7 +163,7 @@ pub fn try_run(
     (simulation, result)
 }
 
-/// Species with diameter 1 m and mass 1 kg, for reduced units.
+/// Species with diameter 1 m and mass 1 kg, so that these are the units of length and mass.
 pub fn unit() -> Species {
     Species::new("unit", 1.0, 6.0 / std::f64::consts::PI)
 }

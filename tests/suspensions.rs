@@ -16,10 +16,12 @@ use diptych::scene::Scene;
 use diptych::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// Points (φ, Re) of the table below: dilute and dense, slow and fast, and beyond Re = 1000.
+/// Volume fraction [-] and Reynolds number [-] at which forces are compared: dilute and dense, slow and fast, and a
+/// Reynolds number beyond 1000.
 const POINTS: [(f64, f64); 5] = [(0.05, 0.1), (0.1, 10.0), (0.3, 100.0), (0.5, 1.0), (0.6, 2000.0)];
 
-/// Dimensionless forces at `POINTS`, computed independently from the published formulas.
+/// Drag on a sphere over Stokes drag [-] at the `POINTS`, one row per law, computed independently from the published
+/// formulas.
 const FORCES: [[f64; 5]; 5] = [
     [1.24308095, 2.54075759, 16.7223223, 14.4363474, 1039.3276],
     [1.24308095, 2.54075759, 24.9433107, 17.0555556, 1246.52778],
@@ -39,8 +41,8 @@ fn forces_have_the_published_values() {
 }
 
 /// A single sphere has the drag of Schiller and Naumann, except for two laws. The law of Beetstra et al. has its own
-/// fit, which differs by 6 % up to Re = 10. Di Felice uses the drag coefficient of Dalla Valle. It differs by up to 13
-/// % up to Re = 100, and by 4 % in creeping flow.
+/// fit, which differs by 6 % up to the Reynolds number 10. The law of Di Felice uses the drag coefficient of Dalla
+/// Valle. It differs by up to 13 % up to the Reynolds number 100, and by 4 % in creeping flow.
 #[test]
 fn laws_become_that_of_a_single_sphere() {
     for re in [0.0, 1e-6, 0.1, 1.0, 10.0, 100.0, 1500.0] {
@@ -63,14 +65,15 @@ fn laws_become_that_of_a_single_sphere() {
     }
 }
 
-/// [m/s] slip at which a sphere at the volume fraction `phi` stays in place in an upward gas flow.
+/// [m/s] slip past a sphere at which the drag of an upward gas flow carries its weight, at the volume fraction `phi`.
 fn slip(law: SuspensionLaw, single: &Sphere, phi: f64, gravity: f64) -> f64 {
     let drag = Drag::Suspension(SuspensionDrag { law, cells: [1; 3] });
     terminal_slip(&drag, &single.among(phi), gravity)
 }
 
-/// Minimum fluidisation: the pressure drop of Ergun's packed bed carries the weight of the bed. With the superficial
-/// velocity ε w in Re, 150 φ/ε³ Re + 1.75/ε³ Re² = Ar. The law of Gidaspow gives the root of this equation.
+/// Minimum fluidisation: the pressure drop of Ergun's packed bed carries the weight of the bed if 150 φ/ε³ Re +
+/// 1.75/ε³ Re² = Ar. Here φ is the volume fraction, ε = 1 - φ, Ar the Archimedes number, and Re contains the
+/// superficial velocity ε w (slip w). The law of Gidaspow gives the root of this equation.
 #[test]
 fn a_packed_bed_begins_to_float_where_ergun_says() {
     let (phi, e) = (0.58_f64, 0.42_f64);
@@ -87,10 +90,11 @@ fn a_packed_bed_begins_to_float_where_ergun_says() {
     }
 }
 
-/// Hindered settling: U/U_t = ε^n for the superficial velocity U = ε w. By Richardson and Zaki 1954, n is 4.65 for slow
-/// spheres and 2.4 for fast ones. In between, n = 4.4 Re_t^-0.03 for 0.2 < Re_t < 1, and 4.4 Re_t^-0.1 for 1 < Re_t <
-/// 500. The law of Di Felice is a fit to these exponents. Its form gives 4.7 and 2.35 at the ends. In between, its
-/// exponent χ differs by some per cent from the exact one.
+/// Hindered settling: U/U_t = ε^n for the superficial velocity U = ε w (terminal velocity U_t of a single sphere, void
+/// fraction ε, slip w). By Richardson and Zaki 1954, n is 4.65 for slow spheres and 2.4 for fast ones. In between,
+/// with the Reynolds number Re_t of a single sphere, n = 4.4 Re_t^-0.03 for 0.2 < Re_t < 1, and 4.4 Re_t^-0.1 for 1 <
+/// Re_t < 500. The law of Di Felice is a fit to these exponents. It gives 4.7 and 2.35 at the ends; in between, its
+/// exponent differs by some per cent from the exact one.
 #[test]
 fn spheres_settle_with_the_exponent_of_richardson_and_zaki() {
     for (single_re, exponent, tolerance) in [
@@ -118,7 +122,8 @@ fn spheres_settle_with_the_exponent_of_richardson_and_zaki() {
     close("Wen and Yu", (superficial / 1e-9).ln() / 0.7_f64.ln(), 4.65, 1e-5);
 }
 
-/// Gas of spheres with a suspension law.
+/// Gas of spheres at the volume fraction `phi` between two walls, whose drag follows a law for suspensions. The local
+/// volume fraction is computed in `cells`.
 fn suspension(law: SuspensionLaw, cells: [u32; 3], count: usize, phi: f64) -> (Scene, Particles) {
     let edge = (count as f64 * small().volume() / phi).cbrt();
     let mut scene = empty([edge; 3], [true, false, true], small(), surface(0.9, 0.0));
@@ -176,8 +181,8 @@ fn fractions_do_not_depend_on_the_order_of_the_store() {
     assert!(mean > 0.05 && mean < 0.05 * 1.05, "{mean}");
 }
 
-/// The lower half of a box has ten times the number of spheres of the upper half. At first, the spheres in the middle
-/// of each half have the drag of the fraction in this half.
+/// The lower half of a box has ten times as many spheres as the upper half. At first, the spheres in the middle of
+/// each half have the drag that belongs to the volume fraction of their half.
 #[test]
 fn each_layer_has_the_drag_of_its_own_fraction() {
     let law = SuspensionLaw::Tenneti;

@@ -1,4 +1,5 @@
-//! Sweeps: interrupted and continued, with grids and replicas, refused, and with points that stop early.
+//! Sweeps (runs at several values of keys): interrupted and continued, with grids and replicas, refused, and with
+//! points that stop early.
 
 use crate::support::{BASE, diptych, words};
 use serde_json::Value;
@@ -22,7 +23,7 @@ fn rows(folder: &Path) -> Vec<BTreeMap<String, String>> {
     table.deserialize().map(|row| row.unwrap()).collect()
 }
 
-/// Stored results of single runs, by the identities of the runs.
+/// Stored results of single runs, by the hashes that identify the runs.
 fn runs(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let Ok(files) = std::fs::read_dir(folder.join("checkpoint")) else { return BTreeMap::new() };
     let paths = files.map(|file| file.unwrap().path());
@@ -111,8 +112,8 @@ fn a_sweep_that_was_killed_goes_on_and_ends_the_same() {
     assert!(page.contains("for want of error bars"), "{}", words(&output.stdout));
 }
 
-/// Ctrl-C ends a sweep at the end of the present windows. Finished runs remain, and a new start of the command
-/// continues the sweep.
+/// Ctrl-C ends a sweep at the end of the present windows (pieces of its runs). Finished runs remain, and a new start
+/// of the command continues the sweep.
 #[cfg(unix)]
 #[test]
 fn a_sweep_that_is_stopped_says_so_and_goes_on() {

@@ -65,7 +65,7 @@ fn there_is_no_room_for_what_is_said() {
     assert_eq!(status.code(), Some(2));
 }
 
-/// The commands `check` and `plan` write no folder, and only print.
+/// The commands `check` and `plan` write no folder, and only print. A closed pipe is no error; a full disk is.
 #[test]
 fn a_text_that_cannot_be_printed_is_lost_only_if_nobody_wants_it() {
     for arguments in [&["check", BASE][..], &["plan", "cases/impact.toml"]] {

@@ -28,9 +28,10 @@ fn at_random(scene: &Scene, count: usize, fluctuation: f64) -> Particles {
     random(scene, count, fluctuation, 4)
 }
 
-/// Elastic collisions keep T, so the thermostat alone changes it. Random accelerations add to each of 3 N components a
-/// number w of variance w_0 = 1, so T gains the mean of 2 v w + w². Its variance is (4 T_0 w_0 + 2 w_0²)/(3 N) with T_0 = 1;
-/// five standard errors are allowed. Growth draws no number.
+/// Elastic collisions keep the granular temperature T, so the thermostat alone changes it. Random accelerations add to
+/// each of 3 N velocity components v a number w of variance w_0 = 1, so T gains the mean of 2 v w + w². The variance
+/// of this mean is (4 T_0 w_0 + 2 w_0²)/(3 N) with T_0 = 1 at the start; five standard errors are allowed. The
+/// thermostat that lets velocities grow draws no random number.
 #[test]
 fn heat_without_losses() {
     let count = 4000;
@@ -46,7 +47,8 @@ fn heat_without_losses() {
     close("gaussian", temperature(&grown.particles) / temperature(&start), (2.0 * 0.05 * time).exp(), 1e-12);
 }
 
-/// Momentum stays, and energy is that of the start plus the work less the losses, up to rounding.
+/// A thermostat does not change the momentum. The energy is that of the start plus the work of the thermostat minus
+/// the losses, up to rounding.
 #[test]
 fn momentum_and_energy_are_in_the_books() {
     for thermostat in [STOCHASTIC, GAUSSIAN] {
@@ -77,8 +79,8 @@ fn momentum_and_energy_are_in_the_books() {
     }
 }
 
-/// A flow with the velocities of the mean flow of a sheared box has no peculiar velocities, and nothing grows: each
-/// velocity is off by the rounding of a velocity of 10 times exp(0.5).
+/// Particles that move with the mean flow of a sheared box have no velocities relative to this flow, so a thermostat
+/// makes nothing grow. Each velocity is off by the rounding of a velocity of 10 m/s times exp(0.5).
 #[test]
 fn the_mean_flow_of_a_sheared_box_is_not_heated() {
     let mut scene = gas(100, 0.01, 0.9, Thermostat::Gaussian { rate: 5.0 });
@@ -91,8 +93,9 @@ fn the_mean_flow_of_a_sheared_box_is_not_heated() {
     assert!(temperature(&after.relative_to_flow()).sqrt() < 1e-13);
 }
 
-/// Second Sonine coefficient of a gas heated by random accelerations (van Noije and Ernst 1998, Granular Matter 1, 57, in
-/// three dimensions), and of one whose velocities grow, which is that of a cooling gas.
+/// Second Sonine coefficient of a gas with the restitution `e` that random accelerations heat (van Noije and Ernst
+/// 1998, Granular Matter 1, 57, in three dimensions). If a thermostat lets all velocities grow, the coefficient is
+/// that of a cooling gas.
 fn sonine(thermostat: Thermostat, e: f64) -> f64 {
     let (d, numerator) = (3.0, 16.0 * (1.0 - e) * (1.0 - 2.0 * e * e));
     numerator
@@ -102,15 +105,16 @@ fn sonine(thermostat: Thermostat, e: f64) -> f64 {
         }
 }
 
-/// Granular temperature of the steady state by kinetic theory: the loss per time is (1 - e²)/3 of T per collision, with
-/// Enskog's rate and the first Sonine correction 1 + 3/16 a_2 of the losses.
+/// Granular temperature T of the steady state by kinetic theory. A collision of a sphere takes (1 - e²)/3 of T
+/// (restitution e). The collision rate is Enskog's, and the losses have the first Sonine correction 1 + 3/16 a_2.
 fn steady(thermostat: Thermostat, phi: f64, e: f64) -> f64 {
     let chi = (1.0 - 0.5 * phi) / (1.0 - phi).powi(3); // Carnahan and Starling 1969
     let rate = 4.0 * (6.0 * phi / PI) * chi * PI.sqrt();
     thermostat.steady_temperature(rate * (1.0 - e * e) / 3.0 * (1.0 + 3.0 / 16.0 * sonine(thermostat, e)))
 }
 
-/// Mean T over the second half of a run of `time`, of which the first half is several times the time to become steady.
+/// Mean granular temperature over the second half of a run, and its standard error. The first half is several times as
+/// long as the run needs to become steady. `at_start` is the temperature at the start.
 fn measured(scene: &Scene, count: usize, engine: Box<dyn diptych::engine::Engine>, at_start: f64) -> [f64; 2] {
     let mut simulation = Simulation::with_engine(scene.clone(), at_random(scene, count, at_start.sqrt()), engine);
     let (window, each, blocks) = (0.05, 25, 30);
@@ -130,8 +134,9 @@ fn measured(scene: &Scene, count: usize, engine: Box<dyn diptych::engine::Engine
     [mean, (2.0 * variance / blocks as f64).sqrt()]
 }
 
-/// T of hard spheres, soft spheres and collisions by chance. Theory neglects correlations of velocities, which lower the
-/// rate by about a percent at this density and restitution; further terms of Sonine's series are below 0.1 %.
+/// Granular temperature of hard spheres, soft spheres and collisions by chance. Theory neglects correlations of
+/// velocities, which lower the collision rate by about a per cent at this density and restitution; further terms of
+/// Sonine's series are below 0.1 %.
 #[test]
 fn steady_states_are_those_of_kinetic_theory() {
     let (count, phi, e) = (500, 0.1, 0.9);
@@ -150,7 +155,8 @@ fn steady_states_are_those_of_kinetic_theory() {
     }
 }
 
-/// Stokes drag and random accelerations without collisions balance at ξ² τ/2; five standard errors of 3 N squares.
+/// Without collisions, Stokes drag and random accelerations balance at the granular temperature ξ² τ/2 (heating rate
+/// ξ², response time τ). Five standard errors of 3 N squares are allowed.
 #[test]
 fn drag_and_heat_balance() {
     let text = CASE.replace(
@@ -251,7 +257,8 @@ fn a_seed_changes_the_accelerations_and_nothing_else_does() {
     assert_ne!(of(1, 1), of(2, 1));
 }
 
-/// A box between two thermal walls at y = 0 and y = 12, for elastic spheres.
+/// A box of elastic spheres between two thermal walls at y = 0 and y = 12 m. `temperatures` [m²/s²] are the granular
+/// temperatures of these walls.
 fn between(temperatures: [f64; 2]) -> Scene {
     let mut scene = empty([12.0; 3], [true, false, true], unit(), surface(1.0, 0.0));
     let walls = [(0.0, 1.0), (12.0, -1.0)].into_iter().zip(temperatures);
@@ -264,8 +271,8 @@ fn between(temperatures: [f64; 2]) -> Scene {
     scene
 }
 
-/// Velocities after an impact: means and variances of their components against Maxwell's density, within five standard
-/// errors, at any angle of approach.
+/// Velocities after an impact on a thermal wall. Means and variances of their components agree with Maxwell's density
+/// within five standard errors, at any angle of approach.
 #[test]
 fn spheres_leave_a_thermal_wall_as_from_an_opening() {
     let (wall, count) = (ThermalWall { temperature: 2.0, seed: 1 }, 100_000);
@@ -287,9 +294,10 @@ fn spheres_leave_a_thermal_wall_as_from_an_opening() {
     }
 }
 
-/// Spheres that meet no others between walls of T_1 and T_2: half of the flux comes from each wall, so that the densities
-/// of both halves are as 1/sqrt(T), and T is sqrt(T_1 T_2) (Knudsen's limit of heat conduction). Walls of one temperature
-/// give an ordinary gas of this temperature, dense or not. The ledger closes to rounding.
+/// Spheres that meet no others between walls of the temperatures T_1 and T_2. Half of the flux comes from each wall,
+/// so the densities of spheres from the two walls are as 1/sqrt(T). Their temperature is sqrt(T_1 T_2) (Knudsen's
+/// limit of heat conduction). Walls of one temperature give an ordinary gas of this temperature, dense or not. The
+/// energy balance closes to rounding.
 #[test]
 fn gases_between_thermal_walls() {
     let dsmc = || Box::new(Dsmc::new(DsmcSettings::default(), 1)) as Box<dyn diptych::engine::Engine>;

@@ -25,7 +25,8 @@ struct Seen {
     touching: Vec<(u16, f64)>,
 }
 
-/// Runs with trajectories into a folder. Returns the outcome, and the states at the times of the frames.
+/// Runs an experiment that writes trajectories into a folder. Returns the outcome, and the states at the times of the
+/// frames.
 fn watched(experiment: &Experiment, folder: &Folder, asked: Trajectories) -> (diptych::Outcome, Vec<Seen>) {
     struct Notes(f64, Vec<Seen>);
     impl diptych::observe::Observer for Notes {
@@ -231,7 +232,8 @@ fn check_xyz(text: &str, seen: &Seen, crowd: &Experiment) {
     }
 }
 
-/// Particles that meet are in an island. Other particles fly straight.
+/// Frames tell how each particle was solved: particles that meet are in an island (group of particles that may meet),
+/// other particles fly straight.
 #[test]
 fn the_solver_of_each_particle_is_told() {
     let scene = empty([0.01; 3], [true; 3], small(), surface(1.0, 0.0));
@@ -375,7 +377,7 @@ fn a_trajectory_that_cannot_be_written_stops_the_run_with_a_message() {
     );
 }
 
-/// A disk with room for only some of the frames. The run ends with a message, and the frames on the disk are complete
+/// The disk has room for only some of the frames. The run ends with a message, and the frames on the disk are complete
 /// and listed. When there is room again, the resumed run gives the files of an uninterrupted run.
 #[cfg(target_os = "linux")]
 #[test]

@@ -10,7 +10,8 @@ use diptych::placement::initial_state;
 use diptych::scene::{Kind, Meeting, Species};
 use diptych::study::{execute, trust_sheet, verify};
 
-/// Experiment of 200 small spheres at 0.5 m/s, dilute (3 %), in a box of 6 mm between two walls, for 10 ms.
+/// Experiment of 200 small spheres (volume fraction 3 %) with velocities of 0.5 m/s, in a box of 6 mm between two
+/// walls, for 10 ms. `pair` and `wall` are restitutions.
 fn gas(model: Model, pair: f64, wall: f64) -> Experiment {
     let size = [6e-3; 3];
     let mut scene = empty(size, [true, false, true], small(), surface(pair, 0.0));
@@ -86,7 +87,8 @@ fn what_is_not_as_asked_is_suspect() {
     }
 }
 
-/// Hybrid spheres of which none collided in an instant act as soft ones; else the sheet gives the share of instants.
+/// If no hybrid sphere collided in an instant, the trust sheet gives the softness as for soft spheres; otherwise the
+/// share of impacts that were instantaneous.
 #[test]
 fn the_sheet_counts_the_instants_of_hybrid_spheres() {
     let mut outcome = outcome("hybrid", Model::Hybrid, 1);
@@ -102,8 +104,8 @@ fn the_sheet_counts_the_instants_of_hybrid_spheres() {
     assert!(some.found.is_none() && some.remark.starts_with("10 % of the impacts"), "{some:?}");
 }
 
-/// The softness is that of the softest pair, whatever the order of the species: the overlaps of springs of a hundredth of
-/// the stiffness are ten times as deep.
+/// The softness in the trust sheet is that of the softest pair of species, for any order of the species. Springs of a
+/// hundredth of the stiffness have overlaps that are ten times as deep.
 #[test]
 fn softness_is_that_of_the_softest_pair() {
     let found = |ratio: f64| {

@@ -15,12 +15,12 @@ use diptych::simulation::Simulation;
 use diptych::{ContactLaw, Engine};
 use nalgebra::Vector3;
 
-/// [s] response time of the particles of `homogeneous`, per density in kg/m³.
+/// [s] response time of the particles of `homogeneous`, divided by their density in kg/m³.
 const RESPONSE_PER_DENSITY: f64 = 1e-6 / (18.0 * 1.5e-5);
 
-/// Homogeneous turbulence with σ = 1 m/s and T_L = 1 s in a gas at rest. The particles have the response time
-/// `response` [s], and are too few to collide. `beta` is the ratio of the time scales T_L/T_E. `gravity` [m/s²] acts
-/// along -z.
+/// Homogeneous turbulence with fluctuations of σ = 1 m/s and the Lagrangian integral time T_L = 1 s in a gas at rest.
+/// The particles have the response time `response` [s], and are too few to collide. `beta` is T_L over the integral
+/// time at a fixed point. `gravity` [m/s²] acts along -z.
 pub fn homogeneous(response: f64, beta: f64, gravity: f64) -> Scene {
     let species = Species::new("bead", 1e-3, response / RESPONSE_PER_DENSITY);
     let mut scene = empty([1000.0; 3], [true; 3], species, surface(1.0, 0.0));
@@ -33,7 +33,8 @@ pub fn homogeneous(response: f64, beta: f64, gravity: f64) -> Scene {
     scene
 }
 
-/// Runs `count` particles with random initial velocities of the standard deviation `agitation` [m/s].
+/// Runs `count` particles with random initial velocities of the standard deviation `agitation` [m/s], for `windows`
+/// windows (times between two exchanges with the gas) of `window` [s].
 fn run_homogeneous(scene: &Scene, count: usize, agitation: f64, windows: u64, window: f64) -> Simulation {
     let start = experiment(scene.clone(), count, [0.0; 3], agitation, Model::Hard, 3);
     let mut simulation = Simulation::new(&start, initial_state(&start).unwrap());
@@ -47,11 +48,12 @@ fn mean_product(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(b)).sum::<f64>() / (3.0 * a.len() as f64)
 }
 
-/// Tchen 1947: for the correlation exp(-t/T) of the gas velocity, <v²> = <u v> = σ² T/(T + τ). Estimates from 3 N
-/// independent Gaussian numbers have standard errors of at most sqrt(2/(3 N)), relative to σ_1 σ_2; four of them are
+/// Tchen 1947: the gas velocity u that a particle sees has the correlation exp(-t/T) and the variance σ². Then <v²> =
+/// <u v> = σ² T/(T + τ), with velocity v and response time τ of the particle. Estimates from 3 N independent Gaussian
+/// numbers have standard errors of at most sqrt(2/(3 N)), relative to the product of the deviations; four of them are
 /// allowed. Windows of 2 T are accurate enough for heavy particles, because kicks use the mean of the fluctuation over
-/// the window. This mean has a scatter between both ends; without it, the variance at St = 20 would be too small by a
-/// quarter.
+/// the window. This mean scatters for given values at both ends. Without the scatter, the variance at τ = 20 T would
+/// be too small by a quarter.
 #[test]
 fn particles_take_the_share_of_tchen_of_the_agitation_of_the_gas() {
     let count = 6000;
@@ -77,9 +79,10 @@ fn particles_take_the_share_of_tchen_of_the_agitation_of_the_gas() {
     }
 }
 
-/// [m²] mean square displacement in a time `t` [s] of particles with the response time `tau` [s], in steady homogeneous
-/// turbulence with σ = 1 m/s and the correlation exp(-t/T). By Hinze 1975, section 5.7, it is twice the integral of (t
-/// - s) R(s), with R(s) = (T² exp(-s/T) - T τ exp(-s/τ))/(T² - τ²).
+/// [m²] mean square displacement of particles in a time `t` [s] in steady homogeneous turbulence with σ = 1 m/s. The
+/// gas velocity has the correlation exp(-t/T) with T = `time`, and the particles have the response time τ = `tau`. By
+/// Hinze 1975, section 5.7, it is twice the integral of (t - s) R(s), with R(s) = (T² exp(-s/T) - T τ exp(-s/τ))/(T² -
+/// τ²).
 fn dispersion(t: f64, time: f64, tau: f64) -> f64 {
     let part = |theta: f64| theta * t - theta * theta * (1.0 - (-t / theta).exp());
     2.0 * (time * time * part(time) - time * tau * part(tau)) / (time * time - tau * tau)
@@ -94,7 +97,8 @@ fn displacements(scene: &Scene, before: &Particles, after: &Particles) -> Vector
     moves.iter().map(|x| (x - mean).component_mul(&(x - mean))).sum::<Vector3<f64>>() / count
 }
 
-/// Runs until the motion is steady, then for `time` [s], and returns the mean square displacements in this time.
+/// Runs until the motion is steady, for `steady` [s], then for `time` [s]. Returns the mean square displacements along
+/// x, y and z [m²] in this last time.
 fn spread(scene: &Scene, agitation: f64, [steady, time]: [f64; 2], window: f64) -> Vector3<f64> {
     let start = experiment(scene.clone(), 6000, [0.0; 3], agitation, Model::Hard, 4);
     let mut simulation = Simulation::new(&start, initial_state(&start).unwrap());
@@ -104,9 +108,9 @@ fn spread(scene: &Scene, agitation: f64, [steady, time]: [f64; 2], window: f64) 
     displacements(scene, &before, &simulation.state())
 }
 
-/// Particles of any inertia spread as in theory, for times shorter and longer than T. The mean square of N Gaussian
-/// numbers has the relative standard error sqrt(2/N) per component. Four standard errors of the mean of three
-/// components are allowed.
+/// Particles of any inertia spread as in theory, for times shorter and longer than the integral time of the gas. The
+/// mean square of N Gaussian numbers has the relative standard error sqrt(2/N) per component. Four standard errors of
+/// the mean of three components are allowed.
 #[test]
 fn particles_spread_as_in_homogeneous_turbulence() {
     let error = (2.0_f64 / 18_000.0).sqrt();
@@ -119,10 +123,11 @@ fn particles_spread_as_in_homogeneous_turbulence() {
     }
 }
 
-/// Csanady 1963: a fall at the slip w shortens the time scale to T/sqrt(1 + β² w²/σ²) along the fall, and to T/sqrt(1 +
-/// 4 β² w²/σ²) across it. Agitation and dispersion fall accordingly. Here w = 8 σ and β = 1. Besides the statistical
-/// error, the slip varies between particles, with a variance of at most σ² St/(1 + St)² per component. This changes the
-/// mean of w² by at most 3/4 in 64, and the time scales by 0.6 %.
+/// Csanady 1963: a fall with the slip w shortens the integral time T of the gas. It becomes T/sqrt(1 + β² w²/σ²) along
+/// the fall, and T/sqrt(1 + 4 β² w²/σ²) across it (deviation σ of the gas velocity, ratio β of integral times).
+/// Agitation and dispersion fall accordingly. Here w = 8 σ and β = 1. Besides the statistical error, the slip varies
+/// between particles, with a variance of at most σ² St/(1 + St)² per component (Stokes number St). This changes the
+/// mean of w² by at most 3/4 in 64, and the integral times by 0.6 %.
 #[test]
 fn falling_particles_cross_eddies_as_csanady_says() {
     let (tau, fall) = (0.25, 8.0);
@@ -182,7 +187,8 @@ fn channel(model: TurbulenceModel) -> Scene {
     scene
 }
 
-/// Numbers of particles in ten slices of equal thickness between the walls, divided by their mean, from several states.
+/// Numbers of particles in ten slices of equal thickness between the walls, summed over several states and divided by
+/// their mean.
 fn slices(states: &[Particles], height: f64) -> [f64; 10] {
     let mut counts = [0.0; 10];
     for y in states.iter().flat_map(|state| &state.position).map(|x| x.y) {
@@ -192,12 +198,13 @@ fn slices(states: &[Particles], height: f64) -> [f64; 10] {
     counts.map(|count| 10.0 * count / all)
 }
 
-/// Thomson's condition: uniformly mixed tracers stay mixed, although k varies across the channel. It varies by a factor
-/// of three with wall functions, and falls to zero at the walls with the model of Launder and Sharma. Without the
-/// drift, tracers would gather where the gas is calm, in proportion to 1/σ. States 20 ms apart, two mixing times L²/(π²
-/// D), are independent. The numbers from M states have relative standard errors of sqrt(10/(N M)). Four of them are
-/// allowed, and 1 % more: St is up to 0.02 near the walls. Windows are up to a fifth of T_L, which changes squares by a
-/// twelfth of the square of this ratio.
+/// Thomson's condition: uniformly mixed tracers stay mixed, although the turbulent energy k varies across the channel.
+/// It varies by a factor of three with wall functions, and falls to zero at the walls with the model of Launder and
+/// Sharma. Without the drift term, tracers would gather where the gas is calm, in proportion to 1/σ = sqrt(3/(2k)).
+/// States 20 ms apart, two mixing times L²/(π² D), are independent. The numbers from M states of N tracers have
+/// relative standard errors of sqrt(10/(N M)). Four of them are allowed, and 1 % more, because the Stokes number is up
+/// to 0.02 near the walls. Windows are up to a fifth of the integral time, which changes squares by a twelfth of the
+/// square of this ratio.
 #[test]
 fn tracers_stay_mixed_in_a_channel() {
     let (count, parts) = (2000, 12);
@@ -219,15 +226,16 @@ fn tracers_stay_mixed_in_a_channel() {
     }
 }
 
-/// The scene with a discrete random walk in place of the Langevin equation.
+/// The scene with a discrete random walk (eddies of random lifetime) in place of the Langevin equation for the gas
+/// velocity that particles see.
 fn walking(mut scene: Scene) -> Scene {
     scene.fluid.as_mut().unwrap().turbulence.as_mut().unwrap().law = EddyLaw::Eddy;
     scene
 }
 
-/// In homogeneous turbulence exponential lifetimes give the correlation exp(-t/T), so agitation and dispersion are those of
-/// Tchen and Hinze, as by the Langevin equation. The fluctuations have heavy-tailed means, so the errors are not those of
-/// Gaussian numbers: the kurtosis of a mean of exponential pieces is 6 at most, which doubles the variance of its square.
+/// In homogeneous turbulence, eddies of exponentially distributed lifetimes give the correlation exp(-t/T). So
+/// agitation and dispersion are those of Tchen and Hinze, as by the Langevin equation. The means of fluctuations are
+/// not Gaussian: the kurtosis of a mean of exponential pieces is 6 at most, which doubles the variance of its square.
 #[test]
 fn eddies_of_random_lifetime_give_the_agitation_and_dispersion_of_theory() {
     let error = (4.0_f64 / 18_000.0).sqrt();
@@ -248,8 +256,9 @@ fn eddies_of_random_lifetime_give_the_agitation_and_dispersion_of_theory() {
     }
 }
 
-/// The older habit has no drift: tracers leave the strongest turbulence and gather next to the walls, where it is weak
-/// (MacInnes and Bracco 1992, Phys. Fluids A 4, 2809). The Langevin equation keeps the same tracers mixed, see above.
+/// The discrete random walk has no drift term: tracers leave the strongest turbulence and gather next to the walls,
+/// where it is weak (MacInnes and Bracco 1992, Phys. Fluids A 4, 2809). The Langevin equation keeps the same tracers
+/// mixed (`tracers_stay_mixed_in_a_channel`).
 #[test]
 fn a_discrete_random_walk_gathers_tracers_where_the_turbulence_is_weak() {
     let scene = walking(channel(TurbulenceModel::LaunderSharma));
@@ -266,7 +275,7 @@ fn a_discrete_random_walk_gathers_tracers_where_the_turbulence_is_weak() {
     assert!(found[0] > 1.3 && found[9] > 1.3 && found[1] < 0.8 && found[8] < 0.8, "{found:.3?}");
 }
 
-/// Without fluctuations, the turbulent kick has the bits of the kick of a frozen gas.
+/// In a gas without fluctuations, drag with turbulence has the bits of drag in a gas without turbulence.
 #[test]
 fn a_calm_gas_is_the_frozen_gas() {
     let mut scene = homogeneous(0.5, 1.0, 9.81);
@@ -345,8 +354,8 @@ fn every_engine_sees_the_same_eddies() {
     assert!((simulation.state().velocity[0] - one.velocity[0]).norm() > 1e-3);
 }
 
-/// The eddies do not change by a call of an observer, by completing the velocities at an end, or by reversing the
-/// store. A snapshot continues with the same bits.
+/// The fluctuations that particles see do not change by a call of an observer, by completing the velocities at an end,
+/// or by reversing the order of the store. A stored and restored run continues with the same bits.
 #[test]
 fn eddies_last() {
     let (scene, start) = crowd();

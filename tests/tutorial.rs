@@ -6,7 +6,8 @@ use std::io::Write;
 use std::path::Path;
 use std::process::Command;
 
-/// Number of seeds of each variant. The larger number on the page takes half a minute with a release build.
+/// Number of replicas (seeds) of each variant in this test. The larger number in docs/tutorial.md takes half a minute
+/// with a release build.
 const FEW: &str = "4";
 
 /// Code blocks of the page in order: language and text.
@@ -21,7 +22,7 @@ fn text(path: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Sentences of the stored run of the last command.
+/// Sentences on the comparisons in the stored run of the tutorial's last command.
 fn stored() -> Vec<String> {
     let summary: Value = serde_json::from_str(&text("docs/results/tutorial/summary.json")).unwrap();
     summary["comparisons"].as_array().unwrap().iter().map(|one| one["sentence"].as_str().unwrap().to_owned()).collect()

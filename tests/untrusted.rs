@@ -1,4 +1,5 @@
-//! Texts, files and links of others must not affect the terminal, the page, a spreadsheet, or files of the user.
+//! Texts, files and links that others have written must not affect the terminal, the page, a spreadsheet, or files of
+//! the user.
 
 use crate::support::{diptych, words};
 use diptych::legible;

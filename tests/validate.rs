@@ -1,4 +1,5 @@
-//! The validation suite: rows by name, tables that agree with each other, and changed references.
+//! The validation suite (comparisons with references): rows by name, tables that agree with each other, and changed
+//! references.
 
 use crate::support::*;
 use diptych::output::{ValidationNumber, ValidationRow, ValidationRule};
@@ -6,7 +7,7 @@ use diptych::statistics::Answer;
 use diptych::study::validate::{judge_numbers, names, not_validated, row};
 use serde_json::Value;
 
-/// Rows that take less than a second, from every kind of reference.
+/// Rows of the validation suite that take less than a second, from every kind of reference.
 const FAST: [&str; 4] = ["dem02", "cradle", "chung-ooi-4", "kharaz"];
 
 fn fast(name: &str) -> ValidationRow {
@@ -42,7 +43,8 @@ fn rows_with_closed_forms_agree() {
     }
 }
 
-/// A reference that is changed by three tolerances or margins gives the answer "different", for every number.
+/// If the reference of a validation number is moved away by three tolerances and five standard errors, the answer is
+/// "different".
 #[test]
 fn a_changed_reference_is_different() {
     for name in FAST {

@@ -19,10 +19,10 @@ use std::borrow::Cow;
 use std::path::Path;
 
 const SLICES: usize = 20;
-/// Number of samples of a run: 24 blocks of 20.
+/// Number of samples (measured values) of a run: 24 blocks of 20.
 const SAMPLES: usize = 480;
 
-/// Series of unit variance with a relaxation time given in samples.
+/// Random series with variance 1. Its correlation falls by the factor e in `relaxation` samples.
 fn noise(relaxation: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
     let rho = if relaxation > 0.0 { (-1.0 / relaxation).exp() } else { 0.0 };
     let mut slow: f64 = StandardNormal.sample(random);
@@ -34,15 +34,15 @@ fn noise(relaxation: f64, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
     (0..SAMPLES).map(|_| next()).collect()
 }
 
-/// Difference as a function of y, from -1 to 1.
+/// Shape of the difference between two systems, as a function of a position y from -1 to 1.
 type Shape = fn(f64) -> f64;
 
 const NOTHING: Shape = |_| 0.0;
 const SHAPES: [(&str, Shape); 3] =
     [("uniform", |_| 1.0), ("slope", |y| 1.0 - 2.0 * y.abs()), ("wall", |y| f64::from(u8::from(y.abs() > 0.9)))];
 
-/// Six profiles about 10, and two numbers. The profiles fluctuate as a whole, and slice by slice at a third of the
-/// rate. The first profile is shifted.
+/// Six profiles with mean 10, and two numbers. A profile fluctuates as a whole, and each slice by itself with 0.3 of
+/// the relaxation time. The first profile is shifted by `size` times `shape`.
 fn run(relaxation: f64, size: f64, shape: Shape, random: &mut Xoshiro256PlusPlus) -> Vec<Observable> {
     let y: Vec<f64> = (0..SLICES).map(|k| (2 * k + 1) as f64 / SLICES as f64 - 1.0).collect();
     let of = |name, places, parity, parts| Observable {
@@ -75,7 +75,7 @@ fn run(relaxation: f64, size: f64, shape: Shape, random: &mut Xoshiro256PlusPlus
     all
 }
 
-/// Comparisons of many pairs of runs. One run of each pair is shifted.
+/// Comparisons of many pairs of invented runs. One run of each pair is shifted by `size` times `shape`.
 fn comparisons(pairs: u64, relaxation: f64, size: f64, shape: Shape) -> Vec<Comparison> {
     let one = |pair: u64| {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1000 * pair + relaxation as u64);
@@ -93,7 +93,8 @@ fn found(comparison: &Comparison) -> bool {
     !comparison.detected().is_empty()
 }
 
-/// Standard errors in the first profile of equal systems: of its mean, and of its most significant slice.
+/// Mean standard errors of the first profile in comparisons of equal systems: of its mean, and of its most significant
+/// slice.
 fn errors(equal: &[Comparison]) -> [f64; 2] {
     let mean = |of: &dyn Fn(&Comparison) -> f64| equal.iter().map(of).sum::<f64>() / equal.len() as f64;
     [mean(&|one| one.judged[0].tested.mean.unwrap().error), mean(&|one| one.judged[0].tested.largest.unwrap().error)]
@@ -456,8 +457,8 @@ fn replicas_of_a_steady_flow_have_smaller_errors_that_the_runs_agree_with() {
     assert!(replicas["count"] == 9 && (0.5..2.0).contains(&ratio), "{replicas}");
 }
 
-/// Number of particles that move together, from the variation between seeds. For independent particles, the relative
-/// variance of T is 2/(3 N).
+/// Prints the number of particles that move together, from the variation of the granular temperature T between seeds.
+/// For N independent particles, the relative variance of T is 2/(3 N).
 #[test]
 #[ignore = "runs from many seeds: cargo test -- --ignored --nocapture scatter_of_single_runs"]
 fn scatter_of_single_runs_of_transients() {

@@ -23,7 +23,7 @@ fn run(case: &str, sets: &[&str], seed: u64) -> Outcome {
     execute(&experiment, initial_state(&experiment).unwrap(), &mut []).0
 }
 
-/// Compares a case with these variants. Returns the exit code and the summary.
+/// Compares a case to which the text `variants` is appended. Returns the exit code and the summary.
 fn compared(case: &str, variants: &str, arguments: &[&str]) -> (Option<i32>, Value) {
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(case)).unwrap();

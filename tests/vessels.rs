@@ -27,12 +27,12 @@ fn with(rest: &str) -> Experiment {
     case(&format!("{HEAD}{rest}"), Model::Hard, &[]).unwrap_or_else(|why| panic!("{why}"))
 }
 
-/// Text of a species of spheres of 1 mm with these keys.
+/// Text of a case that defines a species of spheres of 1 mm with the keys `keys`.
 fn kind(keys: &str) -> String {
     format!("[[particles]]\ndiameter = \"1 mm\"\ndensity = \"2500 kg/m^3\"\n{keys}\n")
 }
 
-/// Text of a wall with this shape.
+/// Text of a case that defines a wall with the shape `shape`.
 fn wall(shape: &str) -> String {
     format!("[[walls]]\n{shape}\nrestitution = 0.9\n")
 }
@@ -162,7 +162,8 @@ fn a_slab_as_thick_as_a_sphere_is_filled_in_its_middle() {
     }
 }
 
-/// Islands in round vessels, with windows of different durations. The work per impact must not depend on the duration.
+/// Islands (groups of particles that may meet) in round vessels, with windows (pieces of the run) of different
+/// durations. The work per impact must not depend on the duration.
 #[test]
 fn islands_in_round_vessels_cost_no_more_in_long_windows() {
     let axle = RoundAxis { center: Vector3::repeat(0.01), axis: 2 };

@@ -11,19 +11,21 @@ use diptych::kinetic_theory::{GasTransport, collision_frequency};
 use diptych::observe::{Observation, Viscosity};
 use std::f64::consts::PI;
 
-/// Carnahan and Starling's value at contact.
+/// Contact value of the pair distribution by Carnahan and Starling.
 fn contact_value(phi: f64) -> f64 {
     (1.0 - 0.5 * phi) / (1.0 - phi).powi(3)
 }
 
-/// Viscosity of a run; at least some tens of the longest time make an error.
+/// Result of the viscosity measurement of a run that is averaged from the time `from` [s] on. `duration` [s] is the
+/// longest time of the correlations; a run needs some tens of it for an error.
 fn viscosity(experiment: &Experiment, from: f64, duration: Option<f64>) -> Observation {
     let settings = ViscositySettings { duration };
     measured(experiment, from, |_, schedule| Viscosity::new(schedule, settings))
 }
 
-/// Without collisions a component of G grows as its constant rate K times t. So the rate of growth of G² at the time t
-/// over 2 V k_B T is K² t/(V k_B T).
+/// The viscosity is measured from G, the time integral of the stress times the volume V. Without collisions a
+/// component of G grows at a constant rate K. So the rate of growth of G² at the time t, divided by 2 V k_B T
+/// (temperature k_B T), is K² t/(V k_B T).
 #[test]
 fn free_flight_has_the_viscosity_of_its_constant_stress() {
     let mut gas = gas(3, 0.001, 1.0, Model::Hard);
@@ -50,8 +52,9 @@ fn free_flight_has_the_viscosity_of_its_constant_stress() {
     assert!((number(&found, "viscosity_Pa_s").value / exact - 1.0).abs() < 1e-10);
 }
 
-/// The theory in the limit of elastic spheres, with the numbers of textbooks: η/η_0 = 1/χ + 0.8 y + 0.761 y² χ with y = 4
-/// φ (Chapman and Cowling 1970, 16.5). 0.761 contains the exact η_0, 1.6 % above the first approximation; the two differ
+/// In the limit of elastic spheres, the theory agrees with textbooks: η/η_0 = 1/χ + 0.8 y + 0.761 y² χ with y = 4 φ
+/// (Chapman and Cowling 1970, 16.5). Here η is the viscosity, η_0 that of the dilute gas, χ the contact value and φ
+/// the volume fraction. The number 0.761 contains the exact η_0, 1.6 % above the first approximation; the two differ
 /// by 1.3 % of the last term at most.
 #[test]
 fn elastic_spheres_have_the_viscosity_of_enskog() {
@@ -67,8 +70,8 @@ fn elastic_spheres_have_the_viscosity_of_enskog() {
     assert!((2.0 * 4.0 / frequency - 5.0 / 16.0 * (4.0 / PI).sqrt()).abs() < 1e-12);
 }
 
-/// Steady shear by the theory of Garzó and Dufty at e = 0.9, as docs/design/shear.md has it from a separate program: T
-/// and stress in units of mass, diameter and rate.
+/// Steady shear by the theory of Garzó and Dufty at the restitution 0.9. Granular temperature and stress, in units of
+/// mass, diameter and shear rate, agree with those of a separate program (docs/design/shear.md).
 #[test]
 fn steady_shear_is_that_of_garzo_and_dufty() {
     for (phi, temperature, stress) in [(0.1, 6.86, 0.573), (0.3, 1.236, 0.751)] {
@@ -122,7 +125,8 @@ fn samples_that_are_far_apart_are_told() {
     assert!(found.remark.is_some_and(|remark| remark.contains("sample_interval")));
 }
 
-/// Nearly elastic spheres shear slowly against their collisions, where a theory of first order in the rate holds.
+/// In a steadily sheared gas of nearly elastic spheres, the shear rate is small compared with the collision rate, so a
+/// theory of first order in the shear rate holds.
 #[test]
 fn a_sheared_box_has_the_viscosity_of_garzo_and_dufty() {
     for (phi, duration) in [(0.1, 400.0), (0.3, 150.0)] {

@@ -17,7 +17,7 @@ fn page(folder: &Path) -> String {
     std::fs::read_to_string(folder.join("report.html")).unwrap()
 }
 
-/// Path of the small case with a list of variants.
+/// Path of a new case that consists of the small case and the text `variants`.
 fn with_variants(place: &Path, variants: &str) -> String {
     let base = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(BASE)).unwrap();
     let path = place.join("variants.toml");
@@ -66,7 +66,7 @@ fn names_of_columns_stay_in_the_tables() {
     assert!(told.contains("granular temperature") && !told.contains("number_density_ratio"), "{told}");
 }
 
-/// The times are invented, so that the test does not depend on the speed of the machine.
+/// The times are invented, so that the test of sentences on costs does not depend on the speed of the machine.
 #[test]
 fn runs_of_a_blink_say_nothing_of_cost() {
     let said = |seconds: f64| {
@@ -136,7 +136,7 @@ restitution = 0.9
     assert!(told.contains("bodies in the box") && told.contains("2.520e-3"), "{told}");
 }
 
-/// Paths are stored and written point by point, so that a path with too many points is refused.
+/// Every point of the path of an impact is stored and written, so a path with too many points is refused.
 #[test]
 fn a_path_of_too_many_points_is_refused() {
     let place = tempfile::tempdir().unwrap();

@@ -1,7 +1,7 @@
-"""Hard spheres, dense and dilute, beside EDMD, and what a particle costs in small and in large crowds. `run.py` calls it.
+"""Speed of hard spheres, dense and dilute, compared with EDMD, and the cost per particle with few and with many particles. `run.py` calls it.
 
-EDMD is event-driven code of Smallenburg (2022, Eur. Phys. J. E 45, 22). It has its settings in its source, so that it is built here for every
-run, from a clone that the variable EDMD names:
+EDMD is the event-driven code of Smallenburg (2022, Eur. Phys. J. E 45, 22). Its settings are in its source, so it is built here for every
+run, from a clone that the environment variable EDMD names:
 
     git clone https://github.com/FSmallenburg/EDMD
     EDMD=$PWD/EDMD benches/peers/run.py 5 hard
@@ -20,10 +20,10 @@ import measure
 from measure import WORK
 
 HERE = Path(__file__).resolve().parent
-DIAMETER = 406e-6  # [m] of hard.toml
-SPEED = 0.5  # [m/s] of hard.toml, the square root of the temperature
-# Volume fraction, particles, the shell of EDMD [diameters] that is best there, and the time [d/sqrt(T)] that is measured: two to four million
-# collisions, in the dilute gas a seventh of one, which take seconds, so that the scatter of the start, which is taken off, is small beside them
+DIAMETER = 406e-6  # [m] diameter of the spheres in hard.toml
+SPEED = 0.5  # [m/s] standard deviation of the velocities in hard.toml, the square root of the temperature T
+# Volume fraction, number of particles, best shell of EDMD (reach of its neighbour lists, in diameters d), and measured time [d/sqrt(T)]. This time
+# has two to four million collisions (a seventh of a million in the dilute gas) and takes seconds, long compared with the scatter of the time to start
 SCENES = [
     (0.5, 10_000, 1.3, 20.0), (0.5, 100_000, 1.5, 2.0), (0.3, 10_000, 1.5, 40.0), (0.3, 100_000, 1.4, 4.0), (0.01, 10_000, 2.0, 200.0),
     (0.01, 100_000, 2.6, 20.0),
@@ -31,17 +31,17 @@ SCENES = [
 
 
 def collisions(count, fraction):
-    """[sqrt(T)/d] of all, by Enskog's theory with the contact value of Carnahan and Starling."""
+    """[sqrt(T)/d] collision rate of all particles together, by Enskog's theory with the contact value of Carnahan and Starling."""
     return 0.5 * count * 24 * fraction * (1 - fraction / 2) / (1 - fraction) ** 3 / math.sqrt(math.pi)
 
 
 def edge(count, fraction):
-    """[m] of a cube with so many spheres."""
+    """[m] edge of a cube that contains `count` spheres at the volume fraction `fraction`."""
     return DIAMETER * (count * math.pi / 6 / fraction) ** (1 / 3)
 
 
 def processor_time(command, folder, variables=None):
-    """[s] of a command on core 0, without what the system does for it, and its greatest resident memory [byte]."""
+    """[s] processor time of a command on core 0, without the time of the operating system, and its largest resident memory [byte]."""
     environment = {**os.environ, **(variables or {})}
     process = subprocess.Popen(["taskset", "-c", "0", *map(str, command)], cwd=folder, env=environment, stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
@@ -52,7 +52,7 @@ def processor_time(command, folder, variables=None):
 
 
 def size(count, fraction):
-    """Settings of a cube with so many spheres."""
+    """Keys of a case for a cube that contains `count` spheres at the volume fraction `fraction`."""
     return {f"domain.size[{axis}]": f"{edge(count, fraction)} m" for axis in range(3)}
 
 
@@ -65,7 +65,7 @@ def ours(case, count, fraction, time, keys=(), variables=None):
 
 
 def positions(count, fraction):
-    """A random start of ours [diameters]."""
+    """Positions of the spheres in a random start of our program [diameters]."""
     ours("hard.toml", count, fraction, 0, ["--save-state"])
     with open(WORK / "crowd" / "state.csv") as file:
         rows = csv.DictReader(line for line in file if not line.startswith("#"))
@@ -73,7 +73,7 @@ def positions(count, fraction):
 
 
 def edmd(count, fraction, shell, time):
-    """A folder with EDMD built to run for `time` [d/sqrt(T)] from our start."""
+    """Folder in which EDMD was built such that it runs for `time` [d/sqrt(T)] from a start of our program."""
     folder = WORK / f"edmd-{count}-{fraction}-{time}"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(Path(os.environ["EDMD"]) / "Single", folder)
@@ -93,7 +93,8 @@ def edmd(count, fraction, shell, time):
 
 
 def beside_edmd(rounds):
-    """Collisions per second, medians and ranges; the processor time of a run less that of one of a fifth of the time, so that starting is not in it."""
+    """Prints and saves collisions per second of both programs. The processor time of a run of a fifth of the length is subtracted, so that the time to
+    start does not count."""
     if not os.environ.get("EDMD") or not shutil.which("gcc"):
         print("dense hard spheres: no EDMD (the variable names its clone) or no gcc")
         return
@@ -120,13 +121,14 @@ def beside_edmd(rounds):
         print(f"| {fraction} | {count} | {columns[0]} | {columns[1]} | {measure.spread(ratio, '.2f')} |", flush=True)
 
 
-# A program that uses the allocator of glibc (2.35 or newer) asks for pages of 2 MB if this variable is set, and the system allows it.
+# With this environment variable, the allocator of glibc (2.35 or newer) asks the system for memory pages of 2 MB.
 LARGE_PAGES = {"GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
 
 
 def growth(rounds, counts, window, fractions=(0.3, 0.5), models=("hard", "soft")):
-    """Cost of a particle in small and in large crowds, with pages of usual size and of 2 MB, and memory. Windows have the length `window`
-    [d/sqrt(T)]. The short run has one; the long one has four more, and the more of them the fewer particles there are."""
+    """Prints and saves the processor time and the memory per particle for each number of particles in `counts`, with memory pages of usual size and of
+    2 MB. Windows have the length `window` [d/sqrt(T)]. Times are those of a long run minus a short one; the short one has one window, the long one has
+    at least four more, and more of them if there are fewer particles."""
     print("| model | volume fraction | particles | µs of processor time per particle and d/sqrt(T), median [range] | over the smallest "
           "| with pages of 2 MB | over pages of usual size | bytes per particle |")
     print("|---|---|---|---|---|---|---|---|")
@@ -136,15 +138,15 @@ def growth(rounds, counts, window, fractions=(0.3, 0.5), models=("hard", "soft")
         for fraction in fractions:
             smallest = None
             for count in counts:
-                # elastic: a gas that cools costs less the longer it is looked at; windows of one length for all: each ends with a sample
+                # restitution 1, because a cooling gas costs less and less; one length of windows for all, because each window ends with a sample
                 start = {**size(count, fraction), "particles[0].volume_fraction": fraction}
                 placed = measure.from_a_file(HERE / case, model, start)
                 keys = ["--model", model, "--set", "contact.restitution=1", "--set", f"run.window={window * unit} s"]
                 keys += ["--set", f"statistics.sample_interval={window * unit} s"]
-                # memory without that of reading a file
+                # memory in runs from a random start, without the memory for reading a file
                 few, many = [ours(case, number, fraction, window * unit, keys)[1] for number in (1000, count)]
 
-                # four windows of a small crowd are done within a tenth of a second, less than the scatter of the start
+                # four windows with few particles take a tenth of a second, less than the scatter of the time to start
                 more = 4 * max(1, 1_000_000 // count)
 
                 def cost(variables):

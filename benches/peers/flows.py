@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Do rough beads flow in LAMMPS as in ours? A sheared box, and a layer on a rough incline. Prints tables; some twenty minutes.
+"""Do rough beads flow in LAMMPS as in our program? A sheared box, and a layer on a rough incline. Prints tables; takes some twenty minutes.
 
     benches/peers/flows.py
 """
@@ -16,8 +16,8 @@ from measure import ROOT, WORK
 
 SPEED = math.sqrt(9.81e-3)  # [m/s] sqrt(g d), LAMMPS's unit of speed
 TIME = math.sqrt(1e-3 / 9.81)  # [s] sqrt(d/g), its unit of time
-BEADS = 858  # in both, as the lattice of incline.lmp has them
-STRESS = math.pi / 6 * 1e-9 * 2500 * 100**2 / 1e-3  # [Pa] m rate²/d of shear.toml
+BEADS = 858  # number of beads in both programs, which is that of the lattice in incline.lmp
+STRESS = math.pi / 6 * 1e-9 * 2500 * 100**2 / 1e-3  # [Pa] unit of stress, m rate²/d with the mass, shear rate and diameter of shear.toml
 
 
 def lammps(script, variables):
@@ -31,7 +31,7 @@ def rows(path):
 
 
 def shear():
-    """Stresses in units of m rate²/d: along the flow, the gradient, the vorticity, and of shear."""
+    """Prints stresses in units of m rate²/d: the normal stresses along the flow, the gradient and the vorticity, and the shear stress."""
     out = WORK / "shear.txt"
     lammps("shear.lmp", {"count": 512, "phi": 0.47, "out": out})
     theirs = [float(word) for word in out.read_text().splitlines()[-1].split()[1:5]]
@@ -44,7 +44,7 @@ def shear():
 
 
 def base():
-    """80 fixed beads at random, at least 0.8 diameters apart across the periodic sides: x, y and the height in diameters."""
+    """Random positions of 80 fixed beads, at least 0.8 diameters apart, also across periodic sides: x, y and height in diameters."""
     draw, beads = random.Random(5), []
     while len(beads) < 80:
         x, y, height = draw.uniform(0, 6), draw.uniform(0, 12), draw.uniform(-0.4, 0)
@@ -55,11 +55,11 @@ def base():
 
 
 def case_on(beads):
-    """The case of the incline with these beads, as walls, in place of its base, and with the sizes of incline.lmp."""
+    """Path of a copy of the case inclined-flow.toml, with the fixed `beads` as walls in place of its base, and with the bead sizes of incline.lmp."""
     text = (ROOT / "cases" / "driven" / "inclined-flow.toml").read_text()
     head, rest = text.split('[[walls]]\nname = "base"')
     ground = '[[walls]]\nname = "ground"' + rest.split('[[walls]]\nname = "ground"')[1].split("[[compare]]")[0]
-    # e = 0.88 of two beads has this value for a bead and a fixed one in LAMMPS, where the mass is twice as large
+    # the restitution 0.88 of two beads becomes 0.835 for a bead and a fixed one in LAMMPS, where the effective mass is twice as large
     wall = '[[walls]]\nsphere = {{ center = ["{} mm", "{} mm", "{} mm"], radius = "0.5 mm" }}\nrestitution = 0.835\nfriction = 0.5\n\n'
     head = head.replace('diameter = "1 mm"', 'sizes.uniform = { from = "0.9 mm", to = "1.1 mm" }')
     case = WORK / "incline.toml"
@@ -68,7 +68,7 @@ def case_on(beads):
 
 
 def incline():
-    """Number of beads and speed in each layer of a diameter, between 100 and 200 times sqrt(d/g)."""
+    """Prints the number of beads and the speed in each layer of the height of a diameter d, averaged from 100 to 200 sqrt(d/g)."""
     beads, out = base(), WORK / "incline.txt"
     commands = WORK / "incline-base.lmp"
     commands.write_text("".join(f"create_atoms 2 single {x} {y} {height} units box\n" for x, y, height in beads))
@@ -84,7 +84,7 @@ def incline():
         speed, error = (float(mine[key]) / SPEED for key in ("U", "U_se"))
         count = mean * float(mine["number_density_ratio"])
         print(f"| {peer[1]:.1f} | {peer[2]:.1f} | {count:.1f} | {peer[4]:.2f} | {speed:.2f} ± {error:.2f} |", flush=True)
-    # a layer of half the height, for the growth of the mean speed with the height
+    # a second flow of half the height, which shows the growth of the mean speed with the height
     measure.diptych(case_on(beads), "flows-half", "soft", {**keys, "particles[0].count": BEADS // 2})
     speeds = [mean_speed(WORK / out / "series.csv") for out in ("flows-incline", "flows-half")]
     print(f"\nmean speed {speeds[0]:.3f} and {speeds[1]:.3f}: grows with the height to the power {math.log2(speeds[0] / speeds[1]):.2f}")

@@ -21,7 +21,7 @@ from measure import WORK
 
 
 def peer(program, script, step, steps, variables):
-    """[-] simulated seconds per wall second of the last loop of a peer."""
+    """[-] simulated seconds per wall second in the last loop of another program (LAMMPS or LIGGGHTS), which makes `steps` steps of `step` [s]."""
     log = WORK / f"{program}.log"
     words = [word for key, value in {**variables, "steps": steps}.items() for word in ("-var", key, value)]
     _, share = measure.execute([program, "-in", HERE / script, "-log", log, "-screen", "none", *words])
@@ -49,7 +49,7 @@ def without_gas(rounds):
     measure.ratios("S1, no gas", measure.in_turn(rounds, contestants), "LAMMPS")
 
 
-# Steps of the peer's timed loop, by scene and form of the drag: a few seconds of wall time each.
+# Number of steps in LAMMPS's timed loop, by scene and form of the drag. Each loop takes a few seconds of wall time.
 STEPS = {"d": {"held": 600, "kicks": 2400}, "f": {"held": 10000, "kicks": 60000}}
 DURATION = {"d": "20 ms", "f": "400 ms"}
 
@@ -79,11 +79,11 @@ def with_drag(scene, rounds):
         measure.ratios(f"Case {name.upper()} with drag", rates, base)
 
 
-DENSE_STEP, DENSE_STEPS = 3.8e-7, 500  # [s], as in dense.toml; of LAMMPS's timed loop
+DENSE_STEP, DENSE_STEPS = 3.8e-7, 500  # time step [s] of dense.toml, and number of steps in LAMMPS's timed loop
 
 
 def dense(rounds):
-    """Everybody has neighbours: LAMMPS and uniform steps on one core, and ours on two. Particle-steps per second are told too."""
+    """Dense gas: LAMMPS and our uniform steps on one core, and ours on two cores. Also prints particle steps per second."""
     case = HERE / "dense.toml"
     measure.diptych(case, "dense-start", "soft", {"run.duration": "0 s"}, 1, ["--save-state"])
     data = WORK / "dense.data"
@@ -106,7 +106,7 @@ def dense(rounds):
         print(f"two threads over one, wall time: {measure.spread(gains)}")
 
 
-# Friction, k_t/k_n and c_t/c_n of the rough scenes: usual values of the peers' examples.
+# Friction, and ratios of tangential to normal stiffness and dashpot, in the scenes with rough spheres: usual values in the examples of LAMMPS.
 FRICTION, STIFFNESS_RATIO, DASHPOT_RATIO = 0.3, 2 / 7, 0.5
 ROUGH = {
     "contact.friction": FRICTION,
@@ -116,7 +116,8 @@ ROUGH = {
 
 
 def rough(rounds):
-    """Spins, friction and tangential springs with memory: the dense gas, and S1; hard spheres of S1 with Walton's rule beside smooth ones."""
+    """Rough spheres (spins, friction, tangential springs with memory) in the dense gas and in S1. In S1 also hard spheres, rough by Walton's rule, and
+    smooth."""
     case = HERE / "dense.toml"
     measure.diptych(case, "dense-start", "soft", {"run.duration": "0 s"}, 1, ["--save-state"])
     data = WORK / "dense.data"
@@ -147,7 +148,8 @@ def rough(rounds):
 
 
 def two_threads(case, rates):
-    """[-] simulated seconds per wall second on two cores, as it is: the share of two cores says little of the loop."""
+    """[-] simulated seconds per wall second on two cores. This is not corrected for other processes: the share of two cores that the process got says
+    little about its loop."""
     variant = measure.diptych(case, "dense-2", "soft", {}, 2)
     rates.append(variant["simulated_seconds"] / variant["wall_seconds"])
     return rates[-1]
@@ -180,7 +182,7 @@ def main():
     if "growth" in wanted:
         crowds.growth(rounds, (10_000, 100_000, 1_000_000), 0.25)
     if "large" in wanted:
-        # short windows, since ten million spheres take minutes for each; a dense start of so many would take an hour
+        # short windows, since a window of ten million spheres takes minutes; a dense start of so many spheres would take an hour
         crowds.growth(rounds, (10_000, 10_000_000), 0.05, (0.3,))
 
 

@@ -1,4 +1,4 @@
-"""The scenes both sides run, and their common start as a data file for LAMMPS and LIGGGHTS."""
+"""Scenes that our program and its peers run, and their common start as a data file for LAMMPS and LIGGGHTS."""
 import csv
 import math
 import shutil
@@ -9,19 +9,19 @@ import measure
 from measure import WORK
 
 HERE = Path(__file__).resolve().parent
-BOX = (0.120, 0.040, 0.064)  # [m] as in the cases
-DENSE_EDGE = 15.19e-3  # [m] of the cube of dense.toml
+BOX = (0.120, 0.040, 0.064)  # [m] edges of the box, as in d.toml and f.toml
+DENSE_EDGE = 15.19e-3  # [m] edge of the cube of dense.toml
 
-# The frozen gas of both sides: U = u_tau (ln(y u_tau / nu) / kappa + B), y from the nearer wall, with the friction velocity
-# of `diptych fluid cases/channel-d.toml`. A formula, because LAMMPS has no table that a script could look up at speed.
+# The gas of both programs: U = u_tau (ln(y u_tau / nu) / kappa + B) at the distance y from the nearer wall, with the friction velocity
+# of `diptych fluid cases/channel-d.toml`. It is a formula, because a script of LAMMPS cannot look up a table fast enough.
 FRICTION_VELOCITY = 0.7729  # [m/s]
-VISCOSITY = 1.515e-5  # [m2/s] models/fluids/air.toml
+VISCOSITY = 1.515e-5  # [m2/s] kinematic viscosity of models/fluids/air.toml
 KAPPA, INTERCEPT = 0.41, 5.0  # [-] usual constants of the smooth wall (Coles 1956)
 
 
 @dataclass
 class Scene:
-    """A scene with drag; `step` [s] is the peer's, `frame` [m/s] the mean velocity the peer's frame moves with."""
+    """A scene with drag. LAMMPS has the time step `step` [s], and a frame of reference that moves with the velocity `frame` [m/s] along the flow."""
     name: str
     case: Path
     diameter: float
@@ -36,20 +36,20 @@ class Scene:
 D = Scene("d", HERE / "d.toml", 406e-6, 1038, 3000, 0.5, 7.5e-7, 2.5e-4, 14.0)
 F = Scene("f", HERE / "f.toml", 1.5e-3, 1032, 5000, 3.0, 4e-6, 1e-3, 10.0)
 
-# Steps between impulses: 1.5e-4 s and 4e-4 s, somewhat less than the window of our own engines. verify.py bounds their error.
+# Number of LAMMPS steps between two kicks of drag: 1.5e-4 s and 4e-4 s, somewhat less than our windows. verify.py bounds the error of these kicks.
 KICKS = {"d": 200, "f": 100}
 
 
 def log_law(y):
-    """[m/s] the gas at y [m] from the lower wall."""
+    """[m/s] velocity of the gas at the distance y [m] from the lower wall."""
     wall = min(y, BOX[1] - y)
     return FRICTION_VELOCITY * (math.log(wall * FRICTION_VELOCITY / VISCOSITY) / KAPPA + INTERCEPT)
 
 
 def write_log_law(path):
-    """A table so fine that a monotone cubic through it keeps the formula to 1e-7: nodes 0.5 % apart in distance from the
-    wall, from a quarter of the smaller radius on, where no centre comes. The formula has an edge at the centre plane, which the
-    cubic rounds off: towards it the spacing halves twelve times."""
+    """Writes a table of the gas velocity, so fine that a monotone cubic through its nodes agrees with the formula within 1e-7. Distances of
+    neighbouring nodes from the wall differ by 0.5 %. The first node is at a quarter of the smaller radius, nearer than any centre can be. The
+    formula has a kink at the centre plane, which a cubic rounds off, so towards this plane the spacing of the nodes halves twelve times."""
     nearest, ratio, centre = 5e-5, 1.005, BOX[1] / 2
     count = math.ceil(math.log(centre / nearest) / math.log(ratio))
     half = [nearest * (centre / nearest) ** (k / count) for k in range(count)]
@@ -62,7 +62,7 @@ def write_log_law(path):
 
 
 def settled(scene):
-    """The case in a folder of its own with its gas and a settled start; made once and kept."""
+    """Path of the case in its own folder, with the table of its gas and a settled start. The folder is made once and kept."""
     folder = WORK / scene.name
     case, start = folder / scene.case.name, folder / "start.csv"
     folder.mkdir(parents=True, exist_ok=True)
@@ -82,14 +82,14 @@ def settled(scene):
 
 
 def dashpot(restitution):
-    """[1/s] constant of the dashpot over the effective mass, 2 zeta omega_0, between two spheres of D."""
+    """[1/s] constant of the dashpot over the effective mass, 2 zeta omega_0, between two spheres of case D with the given restitution."""
     effective_mass = D.density * math.pi / 6 * D.diameter**3 / 2
     ratio = -math.log(restitution) / math.hypot(math.pi, math.log(restitution))
     return 2 * ratio * math.sqrt(D.stiffness / effective_mass)
 
 
 def write_data(state, density, frame, path, box=BOX):
-    """A `state.csv` as a data file, seen from a frame that moves with `frame` [m/s] along z; returns the particles."""
+    """Writes a `state.csv` as a data file of LAMMPS, seen from a frame that moves with `frame` [m/s] along z. Returns the number of particles."""
     with open(state, newline="") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     with open(path, "w") as file:
@@ -106,7 +106,7 @@ def write_data(state, density, frame, path, box=BOX):
 
 
 def drag_variables(scene):
-    """Variables of `drag.lmp` and `drag.liggghts` for a scene, without step counts."""
+    """Variables of the scripts `drag.lmp` and `drag.liggghts` for a scene, without numbers of steps."""
     return {
         "data": WORK / f"{scene.name}.data", "d": scene.diameter, "rho": scene.density, "kn": scene.stiffness,
         "dt": scene.step, "skin": scene.skin, "frame": scene.frame, "nu": VISCOSITY, "ut": FRICTION_VELOCITY,

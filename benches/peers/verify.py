@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Do LAMMPS and our engines compute the same thing? Run before speeds are quoted; exits with 1 if they do not.
+"""Do LAMMPS and our engines compute the same? Run this before speeds are quoted. The exit code is 1 if results differ.
 
     benches/peers/verify.py
 """
@@ -19,7 +19,7 @@ failed = []
 
 
 def judge(what, theirs, ours, limit, unit):
-    """Prints both numbers; they agree if their difference is at most `limit` in `unit`."""
+    """Prints the number of LAMMPS and ours. They agree if their difference is at most `limit`; all have the unit `unit`."""
     close = abs(theirs - ours) <= limit
     print(f"| {what} | {theirs:.10g} | {ours:.10g} | {abs(theirs - ours):.2g} | {limit:.2g} | {unit} |", flush=True)
     if not close:
@@ -27,7 +27,7 @@ def judge(what, theirs, ours, limit, unit):
 
 
 def last_row(log):
-    """The last line of numbers that LAMMPS printed, by column title."""
+    """Numbers in the last line of the table that LAMMPS printed, by the titles of the columns."""
     lines = Path(log).read_text().splitlines()
     end = max(i for i, line in enumerate(lines) if line.startswith("Loop time"))
     head = max(i for i in range(end) if re.match(r"\s*Step\b", lines[i]))
@@ -42,30 +42,31 @@ def lammps(script, variables):
 
 
 def collisions():
-    """S1: impacts between particles within 3 ms of one start."""
+    """Compares the impacts between particles of scene S1 within 3 ms of the same start."""
     case, steps, step = HERE / "s1.toml", 4000, 7.5e-7
     measure.diptych(case, "s1-start", "hard", {"run.duration": "0 s"}, 1, ["--save-state"])
     data = WORK / "s1.data"
     scenes.write_data(WORK / "s1-start" / "state.csv", scenes.D.density, 0.0, data)
     row = lammps("s1.lmp", {"data": data, "contacts": 1, "steps": steps})
-    # every elastic contact of two equal spheres lasts pi sqrt(m/(2 k)); each has two partners
+    # every elastic contact of two equal spheres lasts pi sqrt(m/(2 k)); LAMMPS counts each contact for both partners
     mass = math.pi / 6 * scenes.D.diameter**3 * scenes.D.density
     contact = math.pi * math.sqrt(mass / (2 * scenes.D.stiffness))
     theirs = row["f_average"] / 2 / contact
     for model in ("soft", "hard"):
         keys = {"run.duration": f"{steps * step} s"}
         mine = measure.diptych(case, f"verify-{model}", model, keys)
-        # independent Poisson counts at worst: same start, so less
+        # at worst both are independent Poisson counts; with the same start they differ by less
         limit = 3 * math.sqrt(2 * mine["pair_impacts"]) / (steps * step)
         judge(f"S1 collision rate, {model}", theirs, mine["pair_impacts"] / (steps * step), limit, "1/s")
-        if model == "hard":  # no spring holds energy
+        if model == "hard":  # no energy is in springs at the start
             judge("S1 kinetic energy at the start", lammps("s1.lmp", {"data": data, "contacts": 1, "steps": 1})["KinEng"],
                   mine["energy"]["at_start"], 1e-6 * mine["energy"]["at_start"], "J")
 
 
 def drag(scene):
-    """D and F: sum of the drag force and of its power at t = 0. Ours is the impulse of a window of 10 ps over 10 ps: drag changes
-    by 1e-10 of itself in it. In one of 1 ns a sphere met a wall in one settled start of D, which changed the mean along y by 1.4e-6 of the weight."""
+    """Compares the sum of the drag forces and their power at t = 0 in the scenes D and F. Our force is the impulse in a window of 10 ps, divided by
+    10 ps, in which drag changes by 1e-10 of its value. In a window of 1 ns, a sphere met a wall in one settled start of D, which changed the mean
+    along y by 1.4e-6 of the weight."""
     case = scenes.settled(scene)
     variables = scenes.drag_variables(scene)
     count = scenes.write_data(WORK / scene.name / "start.csv", scene.density, scene.frame, variables["data"])
@@ -75,24 +76,24 @@ def drag(scene):
     energy = measure.diptych(case, f"verify-{scene.name}", "hard", keys)["energy"]
     total = count * math.pi / 6 * scene.diameter**3 * scene.density
     force = [impulse / span / total for impulse in energy["drag_impulse"]]
-    # of the size of a typical acceleration, which is that of weight
+    # the limit is relative to a typical acceleration, that of gravity
     for axis, k, mine in zip("xyz", (1, 2, 3), force):
         judge(f"{scene.name.upper()} mean drag acceleration, {axis}", row[f"c_drag[{k}]"] / total, mine, 1e-6 * 9.81, "m/s2")
-    # power in the frame of rest: the frame of the peer moves
+    # power in the frame at rest, from that in LAMMPS's moving frame
     power = row["c_drag[4]"] + scene.frame * row["c_drag[3]"]
     judge(f"{scene.name.upper()} power of drag", power, energy["drag_work"] / span, 1e-6 * abs(power), "W")
 
 
 def mean_velocity(state):
-    """[m/s] along z."""
+    """[m/s] mean velocity of the particles along z."""
     with open(state, newline="") as file:
         velocities = [float(row["vz"]) for row in csv.DictReader(line for line in file if not line.startswith("#"))]
     return math.fsum(velocities) / len(velocities)
 
 
 def motion(scene):
-    """D and F: change of the mean velocity by drag and weight, by each form of LAMMPS's drag and by our soft engine, in windows so short
-    that the splitting of drag from flight is not seen (hard collisions last no time, and differ by more than this resolves)."""
+    """Compares the change of the mean velocity by drag and weight in the scenes D and F, by each form of drag in LAMMPS and by our soft engine. Windows
+    are so short that the separate computation of drag and flight has no visible effect. (Hard collisions take no time, and differ by more than the limit.)"""
     case = scenes.settled(scene)
     variables = scenes.drag_variables(scene)
     hold = scenes.KICKS[scene.name]
@@ -101,8 +102,8 @@ def motion(scene):
     keys = {"run.duration": f"{span} s", "soft.stepping": "local", "run.window": "0.02 ms"}
     measure.diptych(case, f"verify-{scene.name}", "soft", keys, 1, ["--save-state"])
     start, end = mean_velocity(WORK / scene.name / "start.csv"), mean_velocity(WORK / f"verify-{scene.name}" / "state.csv")
-    # held: 1e-5 of what weight alone does. kicks: the mid-point factor knows k, the law's slope is up to 1.687 k, so that the
-    # drag errs by up to 0.687 k h/(2 m) of itself; k/m = g/slip where drag carries the weight, slip above 1.6 m/s
+    # limits over the change by weight alone. held: 1e-5. kicks (every h seconds): the mid-point factor knows the drag k per slip, but the slope of the
+    # law is up to 1.687 k, so that drag has a relative error of up to 0.687 k h/(2 m); k/m is g/slip where drag carries the weight, slip above 1.6 m/s
     for form, every, error in (("held", 10, 1e-5), ("kicks", hold, 0.687 * 9.81 / 1.6 * hold * scene.step / 2)):
         row = lammps("drag.lmp", {**variables, "drag": form, "hold": every, "warm": 0, "steps": steps})
         judge(f"{scene.name.upper()} change of mean velocity in {span:.3g} s, {form}",

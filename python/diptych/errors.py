@@ -2,11 +2,11 @@
 
 
 class InputError(ValueError):
-    """The case or the command is at fault: nothing was computed and nothing written."""
+    """The case or the command has a mistake: nothing was computed, and nothing was written."""
 
 
 class RunError(RuntimeError):
-    """An engine stopped on the way. `results` holds what the program has written until then, or is None."""
+    """An engine stopped before the end of the run. `results` has the results that were written until then, or is None."""
 
     def __init__(self, message: str, results=None):
         super().__init__(message)

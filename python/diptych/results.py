@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-#: Columns whose names in the files are symbols, with their units. Names that are not here carry their unit already.
+#: Units of the columns whose names in the files are symbols. The names of all other columns end with their units.
 UNITS = {
     "m": ["x", "y", "z", "diameter", "radius", "overlap"],
     "m_s": ["vx", "vy", "vz", "U", "V", "W"],
@@ -20,27 +20,27 @@ UNITS = {
 }
 UNIT_OF = {name: unit for unit, names in UNITS.items() for name in names}
 
-#: Units in summary.json and impacts.csv, as they are written in column names.
+#: Units in summary.json and impacts.csv, and the same units as they are written in column names.
 IN_NAMES = {"m/s": "m_s", "m²/s²": "m2_s2", "1/s": "per_s", "rad/s": "rad_s", "1": "", "": ""}
 
-#: Vectors of a trajectory by the name that extended XYZ or VTK has for them.
+#: Columns of the components of a vector of a trajectory, by its name in extended XYZ or VTK.
 VECTORS = {"pos": ["x", "y", "z"], "Points": ["x", "y", "z"], "velo": ["vx", "vy", "vz"], "velocity": ["vx", "vy", "vz"], "vel": ["vx", "vy", "vz"]}
 
 
 def with_unit(name: str) -> str:
-    """A column's name with its unit: U -> U_m_s, uu_se -> uu_se_m2_s2; others as they are."""
+    """Name of a column with its unit: U -> U_m_s, uu_se -> uu_se_m2_s2. Names that are not in `UNITS` are unchanged."""
     quantity = name.removesuffix("_se")
     return f"{name}_{UNIT_OF[quantity]}" if quantity in UNIT_OF else name
 
 
 def table(path: Path) -> pd.DataFrame:
-    """A CSV file; what stands in lines `# key: value` above it is in `attrs`."""
+    """Table of a CSV file. The values in lines `# key: value` above the table are in `attrs`."""
     text = path.read_text(encoding="utf-8")
     lines = text.splitlines()
     above = 0
     while above < len(lines) and lines[above].startswith("#"):
         above += 1
-    # the default of pandas 3 reads every digit, those before it only if told
+    # pandas 3 reads every digit of a number by default, older versions only with this option
     exact = {"float_precision": "round_trip"} if int(pd.__version__.split(".")[0]) < 3 else {}
     read = pd.read_csv(StringIO("\n".join(lines[above:])), **exact)
     read.columns = [with_unit(re.sub(r"\s*\[.*\]$", "", str(name))) for name in read.columns]
@@ -49,12 +49,12 @@ def table(path: Path) -> pd.DataFrame:
     return read
 
 
-#: What VTK calls numbers, and what numpy does.
+#: Types of numbers: names in VTK, and in numpy.
 NUMBERS = {"Float64": "<f8", "Int32": "<i4", "UInt32": "<u4", "UInt16": "<u2", "UInt8": "u1"}
 
 
 def vtk_points(path: Path) -> pd.DataFrame:
-    """The points of a VTK file as diptych writes it (arrays of raw bytes behind the header), with all their bits."""
+    """Table of the points of a VTK file that diptych has written (arrays of raw bytes behind a header), with all bits of the numbers."""
     data = path.read_bytes()
     end = data.index(b'<AppendedData encoding="raw">')
     header, begin = data[:end].decode("utf-8"), data.index(b"_", end) + 1
@@ -72,7 +72,7 @@ def vtk_points(path: Path) -> pd.DataFrame:
 
 
 def extended_xyz(path: Path) -> pd.DataFrame:
-    """A trajectory in extended XYZ, all frames one after the other; `frame` counts them and `t_s` is the time of each."""
+    """Table of a trajectory in extended XYZ, with all frames one after the other. Column `frame` numbers the frames, `t_s` has their times."""
     frames = []
     with path.open(encoding="utf-8") as lines:
         for number, count in enumerate(lines):
@@ -97,8 +97,8 @@ def _time(about: dict) -> float:
 
 
 class Results:
-    """What a run or a comparison has written. Tables are read when they are asked for; asking for one that is not there raises
-    FileNotFoundError with a hint."""
+    """Results that a command has written to a folder. A table is read when its attribute is used. If its file does not exist,
+    FileNotFoundError is raised with a hint."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
@@ -113,31 +113,31 @@ class Results:
 
     @cached_property
     def summary(self) -> dict:
-        """All of summary.json; units are at the ends of its keys."""
+        """Contents of summary.json. Its keys end with units."""
         return json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))
 
     @property
     def verdicts(self) -> list[str]:
-        """The sentences that the command ends with."""
+        """Sentences that the command has printed at its end."""
         return self.summary["verdicts"]
 
     @cached_property
     def variants(self) -> pd.DataFrame:
-        """The variants, one row each; nested keys are joined by a dot."""
+        """Table with one row per variant (experiment of a case). Column names are keys of summary.json; nested keys are joined by a dot."""
         return pd.json_normalize(self.summary["variants"]).set_index("name")
 
     @cached_property
     def profiles(self) -> pd.DataFrame:
-        """Slice averages and their standard errors (`_se_`)."""
+        """Averages over slices of the box across y, and their standard errors (columns with `_se_`)."""
         return self._table("profiles.csv", "`diptych run` and `compare` write it")
 
     @cached_property
     def overlaps(self) -> pd.DataFrame:
-        """Overlaps of the soft variants against kappa_n."""
+        """Overlaps of the variants with soft spheres, and the overlap number kappa_n."""
         return self._table("overlaps.csv", "`diptych run` and `compare` write it")
 
     def impacts(self, quantity: str) -> pd.DataFrame:
-        """A histogram of all variants: "normal_speed", "maximum_overlap", "first_overlap", "restitution" or "duration"."""
+        """Histogram of the impacts of all variants; `quantity` is "normal_speed", "maximum_overlap", "first_overlap", "restitution" or "duration"."""
         everything = self._table("impacts.csv", "`diptych run` and `compare` write it")
         chosen = everything[everything["quantity"] == quantity]
         if chosen.empty:
@@ -150,27 +150,27 @@ class Results:
 
     @cached_property
     def series(self) -> pd.DataFrame:
-        """What all particles do over time, of every variant."""
+        """Averages over all particles as functions of time, of every variant."""
         return self._table("series.csv", "this version or this command does not write it")
 
     @cached_property
     def paths(self) -> pd.DataFrame:
-        """Where each particle is over time, of scenes of up to 50."""
+        """Positions and velocities of each particle as functions of time, in scenes of up to 50 particles."""
         return self._table("paths.csv", "it is written for scenes of up to 50 particles")
 
     @cached_property
     def judged(self) -> pd.DataFrame:
-        """Means, errors and correlation times of both sides, of `diptych judge`."""
+        """Means, errors and correlation times of both sides of a comparison by `diptych judge`."""
         return self._table("judge.csv", "`diptych judge` writes it")
 
     @cached_property
     def state(self) -> pd.DataFrame:
-        """The particles at the end."""
+        """Particles at the end of the run."""
         return self._table("state.csv", "run with arguments=['--save-state']")
 
     @cached_property
     def trajectory(self) -> pd.DataFrame:
-        """The particles at every time of [output], of all variants. `variant` is its name in names of files, `frame` counts its times."""
+        """Particles of all variants at every time for which the table [output] of the case asks. `frame` numbers these times."""
         for pattern, read in (("*/*.vtp", vtk_points), ("*/*.xyz", extended_xyz)):
             files = sorted((self.folder / "trajectory").glob(pattern))
             if files:
@@ -179,7 +179,7 @@ class Results:
 
 
 def _frame(path: Path, read: pd.DataFrame) -> pd.DataFrame:
-    """A frame with its variant and number, whichever format it is of; types of extended XYZ count from 1, species from 0."""
+    """Frame of either format, with columns for its variant and number. Extended XYZ numbers species from 1, this table from 0."""
     if "type" in read.columns:
         read["species"] = read.pop("type") - 1
     first = ["variant", "frame", "t_s", "id"]
@@ -188,5 +188,5 @@ def _frame(path: Path, read: pd.DataFrame) -> pd.DataFrame:
 
 
 def load(folder) -> Results:
-    """The results in a folder."""
+    """Results that a command has written to a folder."""
     return Results(folder)

@@ -1,4 +1,4 @@
-"""Starts the program, and loads what it writes."""
+"""Starts the program, and loads the results that it writes."""
 
 import os
 import subprocess
@@ -28,9 +28,9 @@ def _started(line: list[str], out) -> Results:
 
 
 def judge(a, b, out, *, settings=None, margin=None, overwrite=False) -> Results:
-    """Compares two sides, each a file or a list of files (replicas), and loads the answer; `judged` is its table.
+    """Compares two sides by `diptych judge`, and loads the results; their table is `judged`. A side is a file, or a list of files of replicas.
 
-    settings: path of judge.toml. margin: such as "2 %".
+    settings: path of judge.toml. margin: largest difference that counts as equivalent, such as "2 %".
     """
     def side(files) -> str:
         return ",".join(map(str, files)) if isinstance(files, (list, tuple)) else str(files)
@@ -43,11 +43,11 @@ def judge(a, b, out, *, settings=None, margin=None, overwrite=False) -> Results:
 
 
 def run(case, out, *, command="compare", model=None, set=None, seed=None, threads=None, overwrite=False, arguments=()) -> Results:
-    """Runs a case and loads what it wrote into the folder `out`.
+    """Runs a case, and loads the results that it has written to the folder `out`.
 
-    command: "compare" (all variants of the case) or "run" (one, of `model` "soft", "hard" or "auto").
+    command: "compare" (all variants of the case) or "run" (one variant, with `model` "soft", "hard" or "auto").
     set: keys of the case and their values as they are typed, {"run.duration": "2 s"}.
-    arguments: further ones of the command line, such as ["--save-state"].
+    arguments: further arguments of the command line, such as ["--save-state"].
     """
     line = [*_program(), command, str(case), "--out", str(out), "--quiet"]
     for name, value in (("--model", model), ("--seed", seed), ("--threads", threads)):
@@ -66,7 +66,7 @@ def compare(case, out, **options) -> Results:
 
 
 def sweep(case, out, values, *, only=(), arguments=(), **options) -> Results:
-    """Runs a case at several values of its keys; `variants` of the answer has a row for each run.
+    """Runs a case at several values of its keys. The table `variants` of the results has a row for each run.
 
     values: keys with lists of values as they are typed, {"contact.restitution": [0.8, 0.9]}. only: names of variants.
     """

@@ -1,4 +1,4 @@
-"""Scenes from values: a dict as the text of a case, arrays as the table of its start."""
+"""Scenes from Python values: the text of a case from a dict, and the table of its start from arrays."""
 
 import csv
 import io
@@ -14,7 +14,7 @@ from .errors import InputError
 
 
 def case_text(scene: Mapping, radii=None, species=None) -> str:
-    """Text of a case from a dict with its tables. Radii replace the sizes of kinds that have none."""
+    """Text of a case from a dict with its tables. A kind of particles (species) without a size gets the sizes of its particles from `radii`."""
     scene = {key: value for key, value in scene.items() if value is not None}
     if radii is not None and "particles" in scene:
         scene["particles"] = _sized(scene["particles"], np.asarray(radii, dtype=float), species)
@@ -22,7 +22,7 @@ def case_text(scene: Mapping, radii=None, species=None) -> str:
 
 
 def start_table(positions, velocities=None, radii=None, species=None, spins=None) -> str:
-    """Table of the particles at the start, in SI; numbers keep all their bits."""
+    """Text of the table of the particles at the start, in SI units. Numbers keep all their bits."""
     places = _array("positions", positions, None, 3)
     count = len(places)
     columns = {"id": range(count), **dict(zip("xyz", places.T.tolist()))}
@@ -55,7 +55,7 @@ def _array(name: str, values, rows: int | None, width: int | None) -> np.ndarray
 
 
 def _sized(kinds, radii: np.ndarray, species) -> list:
-    """Kinds of particles, with the diameters of their particles if they have no others."""
+    """Kinds of particles (species) of a case. A kind without a size gets the diameters of its particles."""
     of = None if species is None else np.asarray(species)
     sized = []
     for number, kind in enumerate(kinds):
@@ -73,7 +73,7 @@ def _key(key) -> str:
 
 
 def _value(value, key: str) -> str:
-    """A value of TOML; `key` names it in messages."""
+    """Text of a value in TOML. `key` names the value in messages."""
     value = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
     if isinstance(value, Mapping):
         entries = ((name, entry) for name, entry in value.items() if entry is not None)

@@ -7,13 +7,13 @@ import numpy as np
 
 @dataclass
 class Average:
-    """Average of the steady part of a series. Times have the unit of the interval."""
+    """Average of the steady part of a series. Times have the unit of the interval between two samples."""
 
-    #: Start of the steady part.
+    #: Time at which the steady part starts.
     start: float
     mean: float
     standard_error: float
-    #: Integral correlation time: the mean over a long time L has the variance 2 time/L of that of a sample.
+    #: Integral correlation time: the mean over a long time L has the variance of a sample times 2 correlation_time/L.
     correlation_time: float
 
 

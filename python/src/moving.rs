@@ -79,8 +79,8 @@ impl MovingParticles {
     }
 
     /// Changes the velocities of the particles by accelerations that last for `duration` [s]; the particles do not
-    /// move. `by_id` has the acceleration [m/s²] of each particle at the index of its id; particles with ids beyond the
-    /// end of this list have none.
+    /// move. `by_id` has the acceleration [m/s²] of each particle at the index of its id. Particles whose ids are
+    /// beyond the end of the list are not accelerated.
     ///
     /// # Errors
     /// A particle has left the domain, or the energy has grown by more than the errors of the time integrator explain.

@@ -1,4 +1,4 @@
-"""Runs the binary and reads all that it writes. DIPTYCH names the binary; `python/check` sets everything up."""
+"""Runs the program and reads all files that it writes. The environment variable DIPTYCH names the program; `python/check` sets everything up."""
 
 import importlib.util
 import tempfile
@@ -52,7 +52,7 @@ class Everything(unittest.TestCase):
 
     @unittest.skipUnless(importlib.util.find_spec("pymbar"), "pymbar is not installed")
     def test_judge_and_a_second_opinion(self):
-        # a process of unit variance whose integral correlation time is 10 samples, about 5 and about 6
+        # two series of unit variance with an integral correlation time of 10 samples, with the means 5 and 6
         random = np.random.default_rng(1)
         files, series = [], []
         for mean in (5.0, 6.0):

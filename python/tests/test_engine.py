@@ -22,7 +22,7 @@ from diptych import _engine
 
 CASES = Path(__file__).resolve().parents[2] / "cases"
 SHORT = {"run.duration": "20 ms", "run.average_from": "0 s", "particles[0].volume_fraction": "2e-3"}
-#: A gas that runs for minutes if nothing stops it, in short windows.
+#: Keys with which a gas runs for minutes in short windows, unless the run is stopped.
 LONG = {"run.duration": "1 s", "run.window": "10 us"}
 
 
@@ -95,7 +95,7 @@ class Arrays(unittest.TestCase):
         for name in ("positions", "velocities", "radii", "masses", "species", "ids"):
             self.assertTrue(np.shares_memory(getattr(simulation, name), getattr(simulation, name)), name)
         energy = 0.5 * np.sum(simulation.masses[:, None] * simulation.velocities**2)
-        # a sum of some hundred terms is rounded in each
+        # each term of a sum of some hundred terms is rounded
         self.assertAlmostEqual(energy / simulation.kinetic_energy, 1.0, delta=1e-12)
 
     def test_nothing_is_copied_when_no_array_is_left(self):
@@ -104,7 +104,7 @@ class Arrays(unittest.TestCase):
         for _ in range(5):
             places.add(address(simulation.radii))
             simulation.step()
-        # an engine may exchange its store for one of equal size, but needs no third
+        # an engine may exchange its particle store for another one of equal size, but needs no third one
         self.assertLessEqual(len(places), 2)
 
     def test_an_array_that_is_kept_shows_its_instant(self):
@@ -198,7 +198,7 @@ class ThreadsAndSignals(unittest.TestCase):
                 _ = simulation.positions
             except RuntimeError as why:
                 said = str(why)
-        # an array from before is untouched by the engine that runs
+        # while the engine runs, it does not change an array that was made before
         self.assertTrue(np.isfinite(kept).all())
         worker.join()
         self.assertIn("another thread", said)

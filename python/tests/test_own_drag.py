@@ -1,4 +1,4 @@
-"""A drag law in Python: order in the window, books, bits, exceptions, messages."""
+"""A drag law in Python: order of the error in the window, balances of energy and momentum, bits, exceptions, messages."""
 
 import gc
 import math
@@ -27,7 +27,7 @@ def stokes(now):
 
 
 def beads(windows: int, drag=None, positions=((0.05, 0.05, 0.05),), velocities=((1.0, -2.0, 0.0),), **options):
-    """Beads that move for one response time."""
+    """Simulation of beads in a wind that lasts one response time, in `windows` windows."""
     scene = {**SCENE, "run": {"duration": TAU, "window": TAU / windows}, **({"drag": {"stokes": {}}} if drag is None else {})}
     simulation = diptych.Simulation(scene, model="hard", positions=positions, velocities=velocities, **options)
     simulation.drag = drag
@@ -74,7 +74,7 @@ class Scheme(unittest.TestCase):
             found.run_until(TAU)
             self.assertEqual(found.pair_impacts, 1)
             errors.append(abs(found.velocities - exact.velocities).max())
-        # of second order: a sixteenth, and half of this factor for the place of the impact within a window
+        # four times as many windows: the error of second order is a sixteenth; twice as much is allowed, as an impact is anywhere in a window
         self.assertLess(errors[1], errors[0] / 8)
 
 
@@ -87,7 +87,7 @@ class Books(unittest.TestCase):
         self.assertLess(ledger["drag_work_J"], -0.1 * ledger["energy_at_start_J"])
         self.assertGreater(ledger["dissipated_J"], 0.01 * ledger["energy_at_start_J"])
         change = ledger["energy_J"] - ledger["energy_at_start_J"]
-        # each of some thousand amounts is rounded to 1e-16
+        # each of some thousand terms of the sum is rounded to 1e-16
         self.assertAlmostEqual(change, ledger["drag_work_J"] - ledger["dissipated_J"], delta=1e-12 * ledger["energy_at_start_J"])
         self.assertAlmostEqual(ledger["residual_J"], 0.0, delta=1e-12 * ledger["energy_at_start_J"])
 

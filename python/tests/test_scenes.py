@@ -87,7 +87,7 @@ class Starts(unittest.TestCase):
         self.assertTrue((simulation.positions[order] == PLACES).all())
         self.assertTrue((simulation.velocities[order] == SPEEDS).all())
         self.assertTrue((simulation.radii == 1e-4).all())
-        # also of a case that has a start of its own
+        # arrays also replace the start that a case gives
         of_text = diptych.Simulation(text=TEXT, model="hard", positions=PLACES, velocities=SPEEDS)
         self.assertTrue(of_text.state().equals(simulation.state()))
         region = 'in.box = { center = ["2 mm", "2 mm", "2 mm"], half_extents = ["1 mm", "1 mm", "1 mm"] }'

@@ -48,22 +48,23 @@ const IMPACTS: u64 = 1000;
 /// [s] wall time after which the timing of one collision model ends.
 const PATIENCE: f64 = 0.4;
 
-/// Largest number of steps times number of particles in the timed part of a window (time between two exchanges with
-/// the gas). It applies if every time step moves all particles. The timing of such a part takes some tenths of a
-/// second.
+/// Largest number of particle steps (time steps times particles) in the timed part of a window (time between two
+/// exchanges with the gas). It applies if every time step moves all particles. The timing of such a part takes some
+/// tenths of a second.
 const STEPS: f64 = 2e7;
 
 /// Agitation (random velocities) and impact speeds of the particles of a case. They are measured in a short run of the
 /// case with shorter periodic sides of its box.
 pub struct Physics {
-    /// Results of the short run: its length, its collision rates and their errors. The plan (prediction of `diptych
-    /// plan`) is made from them.
+    /// Results of the short run that measures the agitation: its length, its collision rates and their errors. The
+    /// plan (prediction of `diptych plan`) is made from them.
     pub calibration: Calibration,
     /// [m²/s²] granular temperature of all particles.
     pub variance: f64,
     /// [m²/s²] granular temperature of each species.
     pub temperatures: Vec<f64>,
-    /// Velocity variances at different heights between the walls and in different directions, divided by their mean.
+    /// Velocity variances at different heights between the walls and in different directions, each divided by the mean
+    /// over all heights and directions.
     pub spread: AgitationSpread,
     /// [m/s] distribution of the normal speeds of collisions between particles. `None` after too few collisions, or if
     /// gas, heating or lossless impacts keep the temperature constant. With a constant temperature, kinetic theory
@@ -295,8 +296,8 @@ pub fn with_choice(experiment: &Experiment, choice: EngineChoice, law: Option<Co
     Some(chosen)
 }
 
-/// Timing of some windows (times between two exchanges with the gas) of a run, with the wall time of the whole run
-/// extrapolated from it.
+/// Result of timing some windows (times between two exchanges with the gas) of a run, with the wall time of the whole
+/// run extrapolated from these windows.
 pub struct Timed {
     /// [s] extrapolated wall time of the whole run; if the run failed, wall time until the failure.
     pub seconds: f64,

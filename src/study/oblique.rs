@@ -19,8 +19,8 @@ const POINTS: usize = 28;
 /// 0.
 const REACH: f64 = 2.0;
 
-/// Number of windows (pieces of the run) in the time from the start to the expected end of the contact. `LONGEST` is
-/// the largest number of windows; an impact that has not ended then has no point on the curve.
+/// Number of windows (pieces of the run) in the time from the start to the expected end of the contact. If the contact
+/// has not ended after `LONGEST` windows, the impact has no point on the curve.
 const WINDOWS: f64 = 10.0;
 const LONGEST: u64 = 60;
 

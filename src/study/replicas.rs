@@ -7,8 +7,8 @@ use crate::outcome::{Averaged, Outcome, Replicas};
 use crate::runs::StudyError;
 use crate::statistics::{Batches, Estimate, FEWEST_RUNS, ProfileTable, U};
 
-/// Experiments of all replicas of a variant. The first has the seed of the case, and each further one the next larger
-/// seed.
+/// Experiments of all replicas (runs with different seeds) of a variant (experiment of a case). The first has the seed
+/// of the case, and each further one the next larger seed.
 ///
 /// # Errors
 /// Returns an error if all particles start at given positions, since the replicas would then be equal.

@@ -67,8 +67,8 @@ pub fn run(args: &Run, origin: CommandOrigin, ranks: &Ranks, make: Option<MakeOb
     results.finish(&findings, &sentences, &report)
 }
 
-/// Variant that the command runs. The text is the reason for its model; `None` unless the program chooses the model
-/// (`--model auto`).
+/// Experiment of the case that the command runs, as a list with one variant. The text is the reason for its model;
+/// `None` unless the program chooses the model (`--model auto`).
 fn variant(args: &Run, ranks: &Ranks) -> Result<(Variants, Option<String>), StudyError> {
     let case = read(&args.case, &args.input.with_every(args.every.as_ref()))?;
     let auto = args.model == Some(ModelChoice::Auto);

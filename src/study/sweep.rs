@@ -90,7 +90,7 @@ fn is_begun(folder: &Path) -> bool {
     command.is_some_and(|cli| matches!(cli.command, Command::Sweep(_)))
 }
 
-/// Reads the case of a sweep with its axes (each a key with its values), and plans the runs.
+/// Reads the case of a sweep, and plans the runs. Each axis of the sweep is a key with its values.
 fn planned(args: &Sweep) -> Result<(Case, Vec<SweepAxis>, SweepPlan), StudyError> {
     let mut case = read(&args.case, &args.input)?;
     let axes = case.axes(&args.sweep)?;

@@ -9,8 +9,8 @@ use crate::statistics::{Estimate, UU, VV, WW};
 use crate::study::judge::not_steady;
 use std::f64::consts::PI;
 
-/// [-] smallest difference between the given and the realised restitution that a note reports. Restitution is given to
-/// two digits, and this difference is half of the last digit.
+/// [-] smallest difference between the given restitution and the mean restitution of the simulated impacts that a note
+/// reports. Restitution is given to two digits, and this difference is half of the last digit.
 pub(super) const MISS: f64 = 0.005;
 
 /// Sentence that sums up a run: particles, simulated time, wall time and impacts, or the failure.
@@ -108,7 +108,8 @@ pub fn notes(outcomes: &[Outcome]) -> Vec<String> {
     notes
 }
 
-/// End of a sentence on a restitution that differs from the given one, if spheres touch several others at once.
+/// End of a sentence on simulated impacts whose restitution differs from the given one, if spheres touch several
+/// others at once.
 const SEVERAL: &str = ", since spheres touch several others at once and share their energy with them";
 
 /// True if the particles had, on average, more than one contact each at some instant of measurement.
@@ -116,7 +117,8 @@ pub(super) fn meets_several(outcome: &Outcome) -> bool {
     outcome.series.rows.iter().any(|row| row.coordination > 1.0)
 }
 
-/// Adds a note if the mean restitution of the impacts of an outcome differs from the given one by more than 0.005.
+/// Adds a note if the mean restitution of the impacts of an outcome differs from the given restitution by more than
+/// 0.005.
 fn restitution(outcome: &Outcome, note: &mut impl FnMut(String)) {
     let scene = &outcome.experiment.scene;
     if let Some(asked) = scene.restitution_of_pairs()

@@ -38,7 +38,8 @@ pub struct Variants {
 }
 
 impl Variants {
-    /// Experiments of all variants, each with the seed of its first replica.
+    /// Experiments of all variants (experiments of a case), each with the seed of its first replica (run with one of
+    /// several seeds).
     pub fn experiments(&self) -> impl Iterator<Item = &Experiment> + Clone {
         self.checked.iter().map(|(experiment, _)| experiment)
     }
@@ -66,8 +67,8 @@ impl Variants {
         self.experiments().map(|experiment| experiment.expected_count().max(1.0) as usize).min().unwrap_or(1)
     }
 
-    /// Checksum of the experiments of all variants. All processes compare it before they make initial states, to make
-    /// sure that their variants are equal.
+    /// Checksum of the experiments of all variants. All processes that share the runs compare it before they make
+    /// initial states, to make sure that their variants are equal.
     pub fn mark(&self) -> u32 {
         mark_of_experiments(self.experiments())
     }

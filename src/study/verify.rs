@@ -48,8 +48,8 @@ pub(super) fn verify_with_checkpoints(
     })
 }
 
-/// Continues the run twice, with its settings and with half the step, and compares the results. The function `run` does
-/// one run.
+/// Continues the run twice, with its settings and with half the time step, and compares the results. The function
+/// `run` does one of these runs.
 fn halve<E>(outcome: &Outcome, mut run: impl FnMut(&Experiment) -> Result<Outcome, E>) -> Result<HalvedStep, E> {
     if let Some(why) = &outcome.failure {
         return Ok(HalvedStep::Unknown(format!("the run itself stopped early: {why}")));
@@ -105,7 +105,8 @@ fn stretched(outcome: &Outcome, stretch: f64, halved: bool) -> Experiment {
     experiment
 }
 
-/// Quantities that are compared between both continuations, each with name, unit and value. Unknown values are `None`.
+/// Quantities that are compared between the run with the given time step and the run with half the step. Each has a
+/// name, a unit and a value, `None` if unknown.
 fn quantities(run: &Outcome) -> [(&'static str, &'static str, Option<Estimate>); 5] {
     let through = run.record.ledger.through(run.energy_at_start);
     let residual = (through > 0.0).then(|| run.energy_residual.over(through));

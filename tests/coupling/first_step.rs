@@ -1,10 +1,11 @@
-//! Flow of the gas before the first step.
+//! Pressure drop of the gas before the first step of a run with two-way coupling, and steadiness of the gas without
+//! particles.
 
 use crate::support::close;
 use diptych::fluid::{ChannelFlow, Coupling, HeldFlow, LoadedFlow, Modulation, SliceSums, TurbulenceModel};
 
-/// Before the first step the pressure drop is that of the gas alone, or the one that is held. In a pipe the walls have
-/// twice the area per volume that they have in a channel.
+/// Before the first step the pressure drop is that of the gas alone or, if the case prescribes a pressure gradient,
+/// the prescribed one. In a pipe the walls have twice the area per volume that they have in a channel.
 #[test]
 fn before_the_first_step_the_pressure_drop_is_that_of_the_gas_alone() {
     let channel = ChannelFlow::solve(15.75, 0.04, 1.5e-5, TurbulenceModel::LaunderSharma).unwrap();
@@ -20,8 +21,8 @@ fn before_the_first_step_the_pressure_drop_is_that_of_the_gas_alone() {
     }
 }
 
-/// Slices and cells of the gas may have common borders, up to rounding. The gas without particles stays as it is for any
-/// number of slices.
+/// The slices in which particles are summed may have borders in common with the cells of the gas, up to rounding. For
+/// any number of slices, the gas without particles stays as it is.
 #[test]
 fn any_number_of_slices_fits_the_cells_of_the_gas() {
     let alone = ChannelFlow::solve(15.75, 0.04, 1.5e-5, TurbulenceModel::WallFunctions).unwrap();

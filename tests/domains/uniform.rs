@@ -1,4 +1,5 @@
-//! Uniform steps of a run that is divided into domains.
+//! Uniform steps (equal time steps for all particles) of a run that is divided into domains (blocks of the box, one
+//! per process).
 
 use super::*;
 use diptych::engine::Failure;
@@ -43,7 +44,8 @@ fn who_looks_at_shared_uniform_steps_sees_what_one_process_shows() {
     }
 }
 
-/// Run of uniform steps that is stopped on one number of processes and resumed on another. `None` means one process.
+/// Checksum and ledger (sums of energies and impulses) at the end of a run in uniform steps. The run is stopped on one
+/// number of processes and resumed on another; `None` means one process.
 pub fn left_and_resumed(sizes: [Option<usize>; 2], of: &(Scene, Particles)) -> (u64, Ledger) {
     const WINDOWS: u64 = 12;
     let (window, left) = (1e-3 / WINDOWS as f64, 5);

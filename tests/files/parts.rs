@@ -5,11 +5,11 @@ use nalgebra::{Rotation3, Vector3};
 /// Triangles by their corners, in the unit of the file.
 pub type Heap = Vec<[Vector3<f64>; 3]>;
 
-/// Cube with edges of 10 about the origin, of squares. The numbers of corners begin with 1.
+/// OBJ file of a cube with edges of 10 about the origin; its faces are squares. The numbers of corners begin with 1.
 pub const CUBE: &str = "v -5 -5 -5\nv 5 -5 -5\nv 5 5 -5\nv -5 5 -5\nv -5 -5 5\nv 5 -5 5\nv 5 5 5\nv -5 5 5\n\
     f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 1 5 8 4\n";
 
-/// Outline of a comb.
+/// Corners of the outline of a comb.
 pub const COMB: [[f64; 2]; 12] = [
     [0.0, 0.0],
     [9.0, 0.0],

@@ -48,7 +48,7 @@ fn judge_rows(name: &str, whole: &str, case: &str, rows: &Rows) {
     }
 }
 
-/// Both beads of the files below, with their expected positions [mm] and velocities [m/s].
+/// Positions [mm] and velocities [m/s] that are expected for the two beads in the files of these tests.
 const BEADS: [[f64; 6]; 2] = [[5.0, 5.0, 5.0, 1.0, 0.25, 0.0], [15.0, 5.0, 5.0, -1.0, 0.0, 0.5]];
 
 const XYZ: &str = "2\nLattice=\"0.02 0 0 0 0.02 0 0 0 0.02\" Properties=species:S:1:pos:R:3:velo:R:3 pbc=\"T T T\" units=\"m s\"\n\
@@ -165,8 +165,8 @@ fn xyz_is_right_or_refused() {
     assert_eq!(found("start.xyz", &turned, ONE).unwrap().0, [BEADS[1], BEADS[0]]);
 }
 
-/// The box of a sheared case may be tilted along z, as in frames of this program. A warning tells another displacement
-/// of the images than that of the case.
+/// The box of a sheared case may be tilted along z, as in the frames that this program writes. If the tilt differs
+/// from the displacement of the images in the case, a warning says so.
 #[test]
 fn the_box_of_a_sheared_case_may_be_tilted() {
     let sheared = ONE.replace("\"z\"] }", "\"z\"], shear = { rate = \"50 1/s\", offset = \"4 mm\" } }");
@@ -438,8 +438,8 @@ fn overlapping_beads_are_pushed_apart_on_demand() {
     assert!(nonsense.contains("of a diameter"), "{nonsense}");
 }
 
-/// Rows of a kind that does not name the file are told, columns come in threes, ids order the rows of a table, and spins
-/// have their unit.
+/// A warning names the rows of a file that belong to a species for which the case does not name the file. Columns come
+/// in threes, ids order the rows of a table, and spins have their unit.
 #[test]
 fn no_part_of_a_file_is_left_out_in_silence() {
     let table = "x,y,z,species\n0.005,0.005,0.005,glass\n0.010,0.005,0.005,steel\n0.015,0.005,0.005,steel\n";

@@ -23,7 +23,7 @@ fn mesh(experiment: &Experiment) -> &Mesh {
     mesh
 }
 
-/// Result of reading a file: number of its triangles and warnings, or the message.
+/// Result of reading a file: the number of its triangles and the warnings, or the message of the error.
 fn found(name: &str, bytes: &[u8]) -> Result<(usize, Vec<String>), String> {
     let read = read(name, bytes, &case("", CORNER), Model::Hard);
     read.map(|(experiment, told)| (mesh(&experiment).triangles().1.len(), told))
@@ -154,7 +154,7 @@ fn text_stl_that_is_not_whole_is_refused_with_its_line() {
     }
 }
 
-/// Cube of [`CUBE`] with other faces.
+/// OBJ file with the corners of [`CUBE`] and the given faces.
 fn obj(faces: &str) -> Vec<u8> {
     format!("{}{faces}\n", CUBE.split("f ").next().unwrap()).into_bytes()
 }

@@ -29,7 +29,7 @@ struct Gas<'a> {
     spheres: usize,
     /// Stiffness [N/m] of the contacts.
     stiffness: f64,
-    /// Number of steps in the shortest contact, which is that of a pair.
+    /// Number of time steps in the shortest contact, which is the contact of two spheres.
     steps_per_contact: f64,
 }
 
@@ -53,7 +53,8 @@ impl Gas<'_> {
         }
     }
 
-    /// [1/m] sum over all seams of the vessel of length times square of the angle between the triangles, per area.
+    /// [1/m] sum over all seams of the vessel, divided by its area. The term of a seam (edge between two triangles) is
+    /// its length times the square of the angle between the triangles.
     fn seams(&self) -> f64 {
         let (points, triangles) = self.vessel.triangles();
         let (mut area, mut sum, mut open) = (0.0, 0.0, BTreeMap::new());

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 /// List of triangles by their corners [m].
 pub type Heap = Vec<[Vector3<f64>; 3]>;
 
-/// Square of 2 n² triangles at y = 0, from -1 to `size` + 1 along x and z.
+/// Square of 2 n² triangles in the plane y = 0, from -1 m to `size` + 1 m along x and z.
 pub fn floor(size: f64, n: u32) -> Heap {
     let at = |i: u32, j: u32| {
         let along = |k: u32| -1.0 + (size + 2.0) * f64::from(k) / f64::from(n);

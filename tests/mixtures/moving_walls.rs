@@ -73,8 +73,9 @@ average_from = "0 s"
 slices = 4
 "#;
 
-/// Energy balance of every engine: closed except for rounding for hard spheres, and except for the error of the steps
-/// for soft spheres. With uniform steps this error is linear in the step (docs/theory/model.md, "Energy and momentum").
+/// Energy balance of every engine. It is closed up to rounding for hard spheres, and up to the error of the time steps
+/// for soft spheres. With uniform steps this error is linear in the step (docs/theory/model.md, "Energy and
+/// momentum").
 #[test]
 fn energy_of_four_kinds_between_moving_walls_closes() {
     let residual = |model: Model, sets: &[&str]| {

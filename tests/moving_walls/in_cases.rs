@@ -28,7 +28,7 @@ stiffness = "3000 N/m"
 duration = "0.1 s"
 "#;
 
-/// Line of [`CASE`] with the motion of the plate.
+/// Line of [`CASE`] that gives the motion of the plate.
 const MOTION: &str = r#"motion.vibration = { amplitude = [0, "1 mm", 0], frequency = "20 Hz", phase = "90 deg" }"#;
 
 #[test]

@@ -50,7 +50,8 @@ fn cases_give_rates_and_bad_ones_are_refused_with_a_remedy() {
     assert!(why.contains("contact.restitution"), "{why}");
 }
 
-/// The step of soft spheres whose contacts last longer at lower speed follows the speed at which particles come in.
+/// If soft contacts last longer at lower speed, the time step follows from the fastest impact. The speed at which
+/// particles come in counts, too.
 #[test]
 fn the_fastest_impact_includes_particles_that_come_in() {
     let speed = |set: &str| diptych::predict::contact::fastest_impact(&case(CASE, Model::Hard, &[set]).unwrap());
@@ -59,7 +60,8 @@ fn the_fastest_impact_includes_particles_that_come_in() {
     assert!(still < 1.0 && (200.0..201.0).contains(&fast), "{still}, {fast}");
 }
 
-/// The water that moves with a sphere does not come in with it.
+/// With added mass, some water moves with each sphere. The mass that comes in is that of the spheres without this
+/// water.
 #[test]
 fn the_mass_that_comes_in_is_that_of_the_spheres() {
     let water = [
@@ -70,8 +72,8 @@ fn the_mass_that_comes_in_is_that_of_the_spheres() {
     assert!(told.contains("come in, 1e-3 kg/s") || told.contains("come in, 0.001 kg/s"), "{told}");
 }
 
-/// Of a gas that has left before the end of a hybrid run, the time that instants leave out is a share of the time that its
-/// particles were there.
+/// Hybrid spheres count the contact time that an instantaneous impact leaves out. If all particles leave before the
+/// end of the run, this time is divided by the time that particles were in the box.
 #[test]
 fn the_time_left_out_is_a_share_of_the_mean_number() {
     let all_leave = [

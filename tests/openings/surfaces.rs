@@ -15,13 +15,14 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// Outlet inside a closed surface.
+/// Outlet that consists of the space inside a closed surface of triangles. `sides` tells the side of the triangles on
+/// which it lies.
 fn inside(heap: &Heap, sides: Sides) -> Outlet {
     let mesh = Mesh::new("made", heap, Some(sides)).unwrap().0;
     Outlet { name: "surface".into(), shape: OutletShape::Mesh(Arc::new(mesh)) }
 }
 
-/// Faces of a box between two corners [m].
+/// Faces of a box between two corners [m], each of 2 n² triangles.
 fn cuboid(low: [f64; 3], high: [f64; 3], n: u32) -> Heap {
     let [low, high] = [low, high].map(Vector3::from);
     heaps::block(0.5 * (low + high), 0.5 * (high - low), n)
@@ -70,7 +71,8 @@ fn cavities_and_sheets_take_nothing() {
     }
 }
 
-/// Sums over the inlets and over the outlets, and the particles at the end, of a run of a stream with other outlets.
+/// Runs a stream of particles with the given outlets. Returns the sums over its inlets and over its outlets, the final
+/// particles, and the unexplained share of the energy [-].
 fn flow_through(outlets: Vec<Outlet>, model: Model) -> ([FlowTotals; 2], Particles, f64) {
     let inlets = vec![feed(block([0.0, 0.0, 10.0], [10.0, 10.0, 16.0]), 40.0, [0.5, 0.0, 1.0], 2.0)];
     let scene = Scene { outlets, inlets, ..stream(1.0, 40.0) };
@@ -94,8 +96,8 @@ fn flow_through(outlets: Vec<Outlet>, model: Model) -> ([FlowTotals; 2], Particl
     (totals, simulation.state(), residual)
 }
 
-/// Cubes behind both ends of the stream are outlets; from a file of triangles they must take the particles that a block
-/// takes.
+/// The outlets are cubes behind both ends of a stream. Cubes from a file of triangles must take the same particles as
+/// blocks.
 #[test]
 fn a_cube_of_triangles_is_a_block_in_every_model() {
     let ends = [([0.0; 3], [10.0, 10.0, 3.0]), ([0.0, 0.0, 27.0], [10.0, 10.0, 30.0])];
@@ -141,7 +143,7 @@ fn stl(heap: &Heap) -> String {
     text + "endsolid made\n"
 }
 
-/// Experiment of the case with a file of these triangles beside it; otherwise the message.
+/// Experiment of the case with a file of the triangles `heap` in its folder; otherwise the message of the error.
 fn read(heap: Option<&Heap>, sets: &[&str]) -> Result<diptych::experiment::Experiment, String> {
     let folder = tempfile::tempdir().unwrap();
     if let Some(heap) = heap {

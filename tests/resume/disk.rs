@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// The shell limits the size of files, which has the effect of a full disk. The limit is in blocks of 512 or 1024
-/// bytes.
+/// The command shell limits the size of files (`ulimit -f`), which has the effect of a full disk. The limit is in
+/// blocks of 512 or 1024 bytes.
 #[cfg(unix)]
 #[test]
 fn a_disk_that_refuses_leaves_what_is_there() {

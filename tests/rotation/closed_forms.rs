@@ -1,4 +1,5 @@
-//! Balls that roll, slide and bounce, against closed forms and a quadrature (RE), and test 8 of Chung and Ooi (2011).
+//! Balls that roll, slide and bounce, against closed forms and a quadrature (section RE of the catalogue of reference
+//! values), and test 8 of Chung and Ooi (2011).
 
 use super::*;
 use diptych::scene::Surface;
@@ -25,8 +26,8 @@ fn sticking_spring() -> TangentialLaw {
     TangentialLaw::Linear(LinearTangential::Ratios { stiffness: 2.0 / 7.0, dashpot: 2.0 / 7.0 })
 }
 
-/// RE: a ball on a fixed sphere starts 10° from the top, rolls, begins to slip and leaves the sphere. The normal turns
-/// by more than 40° within one contact, and the spring must turn with the normal.
+/// A ball on a fixed sphere starts 10° from the top, rolls, begins to slip and leaves the sphere (section RE of the
+/// catalogue). The normal turns by more than 40° within one contact, and the tangential spring must turn with it.
 #[test]
 fn a_ball_rolls_off_a_fixed_sphere() {
     // friction; angle [°] at which the ball leaves, time in units of sqrt(D/g), speed of the centre over sqrt(D g), and
@@ -78,8 +79,8 @@ fn a_ball_rolls_off_a_fixed_sphere() {
     }
 }
 
-/// RE: a floor that moves at U from time 0 on accelerates a ball at rest. The ball slides until 2U/(7 μ g), and then
-/// rolls at 2U/7.
+/// From time 0 on, a floor that moves with the velocity U accelerates a ball at rest (section RE of the catalogue).
+/// The ball slides until the time 2U/(7 μ g), and then rolls with the velocity 2U/7.
 #[test]
 fn a_belt_takes_a_ball_along() {
     let (belt, friction, ends) = (0.5, 0.3, 0.048541332945002666);
@@ -122,16 +123,17 @@ fn a_belt_takes_a_ball_along() {
     }
 }
 
-/// Hard ball between two plates across y, with a velocity and a surface speed R ω along x.
+/// Hard ball that bounces between two plates normal to y, with a velocity and a surface speed (radius times spin)
+/// along x.
 struct BetweenPlates {
     simulation: Simulation,
-    /// [s] time of flight from plate to plate.
+    /// [s] time of flight from one plate to the other.
     flight: f64,
 }
 
 impl BetweenPlates {
-    /// Gravity [m/s²] acts along x, and the speed across is 1 m/s. The ball starts half a flight before its impact on
-    /// the lower plate.
+    /// `gravity` [m/s²] acts along x, and the speed across the gap is 1 m/s. The ball starts half a flight before its
+    /// impact on the lower plate, with the velocity `along` [m/s] and radius times spin `rolls` [m/s].
     fn new(tangential_restitution: f64, gravity: f64, [along, rolls]: [f64; 2]) -> Self {
         let of = surface(1.0, 1e3);
         let mut scene = empty([0.1, 0.012, 0.1], [true, false, true], bead(), of);
@@ -152,7 +154,8 @@ impl BetweenPlates {
     }
 }
 
-/// RE: an elastic ball that sticks to both plates in turn; velocities after the first six bounces as fractions.
+/// An elastic ball sticks to both plates in turn, with the tangential restitution β. Expected are velocities after the
+/// first six bounces as fractions (section RE of the catalogue).
 #[test]
 fn a_ball_bounces_between_plates() {
     for (beta, expected) in [
@@ -182,7 +185,8 @@ fn a_ball_bounces_between_plates() {
     }
 }
 
-/// RE: a ball that falls between vertical plates approaches a steady speed. Its spin changes sign at every bounce.
+/// A ball that falls between vertical plates approaches a steady speed (section RE of the catalogue). Its spin changes
+/// sign at every bounce.
 #[test]
 fn a_ball_falls_between_vertical_plates_at_a_limit_speed() {
     for (beta, limit) in [(0.0, 1.25), (0.4, 0.25), (0.8, -11.0 / 36.0)] {

@@ -1,5 +1,5 @@
-//! Gases of rough spheres: temperatures of translation and rotation against direct simulation Monte Carlo (RF), and
-//! reversed motion.
+//! Gases of rough spheres: temperatures of translation and rotation against direct simulation Monte Carlo (section RF
+//! of the catalogue of reference values), and reversed motion.
 
 use super::*;
 use diptych::experiment::{SoftSettings, Spheres, TimeStep};
@@ -8,14 +8,15 @@ use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-/// Gas of the reference: restitution, β_0, friction, ratio T_r/T at the start, and T and T_r at times τ. τ is the
-/// number of collisions per sphere.
+/// Gas of the reference: restitution, tangential restitution, friction, ratio T_r/T (rotational over granular
+/// temperature) at the start, and T and T_r at times τ. The time τ is the number of collisions per sphere.
 struct Cooling {
     restitution: f64,
     tangential_restitution: f64,
     friction: f64,
     rotates: f64,
-    /// τ, and T and T_r over the initial T, as computed by the DSMC of the reference.
+    /// Time τ [collisions per sphere], then granular temperature T and rotational temperature T_r, both divided by the
+    /// initial T. The reference computed them by direct simulation Monte Carlo.
     expected: &'static [(f64, [f64; 2])],
 }
 
@@ -60,7 +61,7 @@ const GASES: [Cooling; 5] = [
     },
 ];
 
-/// Number of spheres, and number of starts over which the mean is taken.
+/// `SPHERES` is the number of spheres of a run, `STARTS` the number of starts over which the mean is taken.
 const SPHERES: usize = 2000;
 const STARTS: u64 = 8;
 
@@ -70,9 +71,10 @@ fn normal(random: &mut Xoshiro256PlusPlus) -> Vector3<f64> {
 }
 
 impl Cooling {
-    /// Direct simulation Monte Carlo of spheres of unit mass and radius (Bird 1994, Molecular Gas Dynamics): T and T_r
-    /// at each τ. Random pairs have a random normal, are accepted in proportion to their normal speed, and collide by
-    /// Walton's rule. For smooth spheres (β_0 = -1, e = 0.9), T at τ = 20 is 0.2830 ± 0.0002; Haff's law with a2 =
+    /// Granular temperature T and rotational temperature T_r at each time τ (collisions per sphere) by direct
+    /// simulation Monte Carlo (Bird 1994, Molecular Gas Dynamics). The spheres have unit mass and radius. Random pairs
+    /// have a random normal, are accepted in proportion to their normal speed, and collide by Walton's rule. For
+    /// smooth spheres (β_0 = -1, e = 0.9), T at τ = 20 is 0.2830 ± 0.0002; Haff's law with the Sonine coefficient
     /// -0.0146 gives 0.2831.
     fn dsmc(&self, count: usize, seed: u64) -> Vec<[f64; 2]> {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
@@ -121,7 +123,7 @@ impl Cooling {
     }
 }
 
-/// Mean of several runs and its relative standard error, for T and T_r at each τ.
+/// Mean of several runs and its relative standard error, for the two temperatures (granular, rotational) at each time.
 fn mean(runs: &[Vec<[f64; 2]>]) -> Vec<[(f64, f64); 2]> {
     let count = runs.len() as f64;
     let of = |k: usize, which: usize| {
@@ -134,7 +136,8 @@ fn mean(runs: &[Vec<[f64; 2]>]) -> Vec<[(f64, f64); 2]> {
 }
 
 impl Cooling {
-    /// T and T_r of one start at each τ, over the initial mean energy per degree of freedom.
+    /// Granular and rotational temperature in a run with the seed `seed` at each time τ (collisions per sphere) up to
+    /// `until`, divided by the initial mean energy per degree of freedom.
     fn temperatures(&self, model: Model, until: f64, seed: u64) -> Vec<[f64; 2]> {
         let tangential_restitution = self.tangential_restitution;
         let tangential = TangentialLaw::Linear(LinearTangential::Restitution(tangential_restitution));
@@ -179,9 +182,10 @@ impl Cooling {
         reached.collect()
     }
 
-    /// Compares the means over the starts with our DSMC up to a time τ, and our DSMC with the reference. The reference
-    /// is ahead of our DSMC by about 1 % of τ, so that its gases are colder by 2 % at τ = 20. Eight runs of this
-    /// program with 20,000 spheres agree with our DSMC within 0.3 % (docs/rotation.md).
+    /// Compares the means over the starts with our Monte Carlo simulation (`dsmc`) up to a time τ [collisions per
+    /// sphere], and this simulation with the reference. The reference is ahead of our Monte Carlo simulation by about
+    /// 1 % of τ, so that its gases are colder by 2 % at τ = 20. Eight runs of this program with 20,000 spheres agree
+    /// with our simulation within 0.3 % (docs/rotation.md).
     fn compare(&self, model: Model, until: f64) {
         let monte_carlo: Vec<_> = (0..4).into_par_iter().map(|seed| self.dsmc(16_000, seed)).collect();
         let starts: Vec<_> = (0..STARTS).into_par_iter().map(|seed| self.temperatures(model, until, seed)).collect();

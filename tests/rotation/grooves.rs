@@ -1,5 +1,5 @@
-//! Spheres in grooves and corners of meshes, where the nearer contact becomes the farther one. Each spring belongs to
-//! its face, so that a mesh acts as the planes of its faces.
+//! Spheres in grooves and corners of meshes, where they touch several faces, and now one face, now another is the
+//! nearest. Each spring belongs to its face, so that a mesh acts as the planes of its faces.
 
 use super::*;
 use diptych::walls::{Mesh, Sides, Wall, WallGeometry};
@@ -91,8 +91,8 @@ fn inclined(count: usize, angle: f64) -> Vec<Vector3<f64>> {
     (0..count).map(|k| Vector3::new(sin * around(k).cos(), cos, sin * around(k).sin())).collect()
 }
 
-/// The order of the contacts changes some hundred times in 20 ms. The normals of a mesh and of planes differ by
-/// rounding of 1e-16, which grows with the number of contacts.
+/// While the ball oscillates for 20 ms, the order of its contacts (nearest face first) changes some hundred times. The
+/// normals of a mesh and of planes differ by rounding of 1e-16, which grows with the number of contacts.
 #[test]
 fn a_ball_in_a_groove_or_corner_of_a_mesh_moves_as_between_planes() {
     for (count, angle) in [(2, 30.0), (2, 50.0), (3, 40.0)] {

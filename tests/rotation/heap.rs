@@ -1,8 +1,8 @@
-//! A heap of three balls is stable if the friction is at least that of statics.
+//! A heap of three balls is stable if the friction coefficient is at least the value that statics requires.
 
 use super::*;
 
-/// [mm] height of the centre of the top ball after 0.1 s.
+/// [mm] height of the centre of the top ball of a heap of three after 0.1 s.
 fn height(model: Model, sets: &[String]) -> f64 {
     let text = std::fs::read_to_string("cases/rotation/three-balls.toml").unwrap();
     let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
@@ -14,8 +14,9 @@ fn height(model: Model, sets: &[String]) -> f64 {
     1e3 * simulation.particles.position[top].y
 }
 
-/// The limits are tan 15° with rotation, and without rotation the root of 1.5 μ² + 2 √3 μ = 0.5. At rest the overlaps
-/// are 1e-5 of a diameter, and the top ball sinks by about as much.
+/// By statics, the friction coefficient μ must be at least tan 15° with rotation. Without rotation it must be at least
+/// the root of 1.5 μ² + 2 √3 μ = 0.5. At rest the overlaps are 1e-5 of a diameter, and the top ball sinks by about as
+/// much.
 #[test]
 fn three_balls_stand_where_statics_says_so() {
     let rough = f64::to_radians(15.0).tan();

@@ -1,4 +1,5 @@
-//! Parts of the losses by friction: closed forms, sums computed independently, and the results of runs.
+//! Parts of the losses by friction (sliding, dashpot, lost springs): closed forms, sums computed independently, and
+//! the results of runs.
 
 use super::*;
 use diptych::contact_law::Hertz;
@@ -15,12 +16,13 @@ struct ObliqueFall {
     tangential: TangentialLaw,
     restitution: f64,
     friction: f64,
-    /// [m/s] normal and tangential speed.
+    /// [m/s] normal and tangential speed before the impact.
     speeds: [f64; 2],
 }
 
 impl ObliqueFall {
-    /// Impact of a sphere under the linear laws with the ratios k_t/k_n and c_t/c_n.
+    /// Impact of a sphere under the linear laws, with the ratios of the tangential to the normal stiffness and
+    /// dashpot.
     fn linear(restitution: f64, friction: f64, [stiffness, dashpot]: [f64; 2], speeds: [f64; 2]) -> Self {
         let tangential = TangentialLaw::Linear(LinearTangential::Ratios { stiffness, dashpot });
         Self { law: ContactLaw::linear(STIFFNESS), tangential, restitution, friction, speeds }
@@ -30,12 +32,13 @@ impl ObliqueFall {
         2.0 / 7.0 * ball().mass()
     }
 
-    /// [J] energy of the slip at the start.
+    /// [J] kinetic energy of the slip before the impact.
     fn slip_energy(&self) -> f64 {
         0.5 * self.effective_mass() * self.speeds[1].powi(2)
     }
 
-    /// Ledger of the impact, of soft spheres with a number of steps per contact, or of hard spheres.
+    /// Ledger (sums of energies lost) of the impact, of soft spheres with a kind and a number of time steps per
+    /// contact, or of hard spheres (`None`) with the impact rule `rule`.
     fn ledger(&self, soft: Option<(SoftStepping, f64)>, rule: ImpactRule) -> Ledger {
         let of = surface(self.restitution, self.friction);
         let mut scene = empty([0.1; 3], [true, false, true], ball(), of);
@@ -69,8 +72,9 @@ fn is_near(what: &str, found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() < tolerance, "{what}: {found:.6e} for {expected:.6e}");
 }
 
-/// Gross sliding without a dashpot: the spring has the length that the normal force allows, and zero length at both
-/// ends. The loss is μ ∫ f_n λ dt = μ J (s - μ J/(2 M_t)) with J = 2 m u. In every engine all of it is sliding.
+/// Gross sliding without a dashpot: the tangential spring has the length that the normal force allows, and zero length
+/// at both ends of the contact. The loss is μ ∫ f_n s dt = μ J (s_0 - μ J/(2 M_t)). Here J = 2 m u is the normal
+/// impulse, s the slip, s_0 its initial value and M_t its effective mass. In every engine all of it is sliding.
 #[test]
 fn gross_sliding_is_all_sliding() {
     let fall = ObliqueFall::linear(1.0, 0.1, [0.3, 0.0], [1.0, 5.0]);
@@ -84,8 +88,9 @@ fn gross_sliding_is_all_sliding() {
     }
 }
 
-/// Equal half periods with hardly any sliding: the spring returns to zero length, and the dashpot dissipates ½ M_t s²
-/// (1 - β²). Walton's rule has the same loss, in the same entry of the ledger.
+/// A contact that lasts half a period of the tangential spring and hardly slides. The spring returns to zero length,
+/// and its dashpot dissipates ½ M_t s² (1 - β²) (slip s, its effective mass M_t, tangential restitution β). Walton's
+/// rule has the same loss, in the same entry of the ledger.
 #[test]
 fn a_contact_that_sticks_for_half_a_period_loses_to_its_dashpot_only() {
     let restitution = 0.6;
@@ -101,9 +106,9 @@ fn a_contact_that_sticks_for_half_a_period_loses_to_its_dashpot_only() {
     }
 }
 
-/// Without a dashpot, a contact that sticks has ½ M_t s² sin²(ω_t T) in its spring when the normal force ends. This
-/// energy is lost with the contact. A small part slips back while the normal force falls to zero, and counts as
-/// sliding.
+/// Without a dashpot, a contact that sticks has the energy ½ M_t s² sin²(ω_t T) in its tangential spring when the
+/// normal force ends (slip s, effective mass M_t, frequency ω_t, contact time T). This energy is lost with the
+/// contact. A small part slips back while the normal force falls to zero, and counts as sliding.
 #[test]
 fn a_spring_under_tension_is_lost_where_the_contact_ends() {
     let ratio = 0.1f64;
@@ -120,9 +125,9 @@ fn a_spring_under_tension_is_lost_where_the_contact_ends() {
     }
 }
 
-/// Losses by rescaling and by sliding, over the energy of the slip at the start, with Hertz's and Mindlin's laws
-/// without damping. The units are the mass, the normal speed and Hertz's constant. The motion is computed in many small
-/// steps.
+/// Losses of an impact by rescaling of the tangential spring and by sliding, divided by the energy of the slip before.
+/// The laws are those of Hertz and Mindlin without damping. The units are the mass, the normal speed and Hertz's
+/// constant. The motion is computed here in many small steps.
 fn stepped_by_hand(history: SpringHistory, stiffness: f64, slip: f64, friction: f64) -> [f64; 2] {
     let (steps, effective_mass) = (400_000, 2.0 / 7.0);
     let dt = 2.95 * 1.25f64.powf(0.4) / f64::from(steps) * 1.05;

@@ -1,5 +1,5 @@
-//! Hertz and Mindlin: tests 5, 6 and 7 of Chung and Ooi (2011) against values computed independently (RD), and closed
-//! energy balances.
+//! Laws of Hertz and Mindlin: tests 5, 6 and 7 of Chung and Ooi (2011) against values computed independently (section
+//! RD of the catalogue of reference values), and closed energy balances.
 
 use super::*;
 use diptych::contact_law::Hertz;
@@ -31,7 +31,8 @@ const ALUMINIUM: Sphere = Sphere {
     friction: 0.4,
 };
 
-/// Stepping and steps per contact of an engine; `None`: hard spheres with the rule of the spring.
+/// Kind of time steps and steps per contact of soft spheres; `None` for hard spheres with the impact rule of the
+/// spring.
 type Stepping = Option<(SoftStepping, f64)>;
 
 impl Sphere {
@@ -46,7 +47,8 @@ impl Sphere {
         Box::new(Soft::new(law, Integrator::VelocityVerlet, step, stepping))
     }
 
-    /// Velocity along the plane [m/s], spin [rad/s] (positive: rolling forward), and rebound speed [m/s].
+    /// Velocity along the plane [m/s], spin [rad/s] (positive: rolling forward) and normal speed [m/s] after an
+    /// impact. `history` tells the change of the spring with the normal force.
     fn rebound(&self, history: SpringHistory, [normal, along, spin]: [f64; 3], stepping: Stepping) -> [f64; 3] {
         let of = surface(self.restitution, self.friction);
         let species = self.species();
@@ -79,7 +81,8 @@ impl Sphere {
     }
 }
 
-/// Test 5: speed along the plane [m/s]; slip after the impact and R ω', both over μ u_n, for the three histories.
+/// Test 5 of Chung and Ooi: speed along the plane before the impact [m/s]. Then the slip and R ω' after it (radius R,
+/// spin ω'), both over μ u_n (friction, normal speed), for the three histories of the spring.
 const OBLIQUE: &[(f64, [[f64; 2]; 3])] = &[
     (0.1, [[0.063652, 0.002153], [0.060511, 0.004397], [0.034561, 0.022933]]),
     (0.6, [[0.381062, 0.013527], [0.307550, 0.066036], [0.202643, 0.140969]]),
@@ -110,7 +113,8 @@ fn oblique_impacts_of_steel_are_those_of_the_reference() {
     }
 }
 
-/// Test 6: spin before the impact [rad/s]; velocity and spin after it, for the three histories.
+/// Test 6 of Chung and Ooi: spin before the impact [rad/s]. Then the velocity along the plane [m/s] and the spin
+/// [rad/s] after it, for the three histories of the spring.
 const SPINNING: &[(f64, [[f64; 2]; 3])] = &[
     (0.175, [[-0.0033667, 0.0908328], [-0.0045680, 0.0608001], [-0.0048897, 0.0527565]]),
     (1.2, [[-0.0494663, -0.0366567], [-0.0491210, -0.0280257], [-0.0490555, -0.0263874]]),
@@ -119,8 +123,8 @@ const SPINNING: &[(f64, [[f64; 2]; 3])] = &[
     (21.0, [[-0.1237813, 17.9054672], [-0.1236560, 17.9085997], [-0.1236560, 17.9085997]]),
 ];
 
-/// In the reference, the spin moves the surface along +x. Our positive spin rolls forward, so that its sign is
-/// opposite.
+/// In the reference, a positive spin moves the surface at the contact along +x. Our positive spin rolls forward, so it
+/// has the opposite sign.
 #[test]
 fn a_spinning_sphere_leaves_the_plane_as_the_reference() {
     for (stepping, tolerance) in [(Some((SoftStepping::Local, 200.0)), 1e-3), (None, 1e-4)] {
@@ -141,7 +145,8 @@ fn a_spinning_sphere_leaves_the_plane_as_the_reference() {
     }
 }
 
-/// Test 7: two spheres with opposite spins, whose surfaces move alike, collide as if they were smooth.
+/// Test 7 of Chung and Ooi: two spheres with opposite spins, whose surfaces move alike, collide as if they were
+/// smooth.
 #[test]
 fn opposite_spins_do_not_slip() {
     let of = surface(0.5, 0.4);

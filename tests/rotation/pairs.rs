@@ -4,14 +4,14 @@ use super::*;
 
 /// Pair of spheres of a reference case.
 struct Pair {
-    /// Radius [m] and density [kg/m³] of p and of q.
+    /// Radius [m] and density [kg/m³] of the two spheres p and q.
     spheres: [(f64, f64); 2],
     stiffness: f64,
     surfaces: Surfaces,
     normal: [f64; 3],
-    /// [m/s] velocity of p relative to q.
+    /// [m/s] velocity of sphere p relative to sphere q.
     velocity: [f64; 3],
-    /// [rad/s] spins of p and of q.
+    /// [rad/s] spins of the spheres p and q.
     spins: [[f64; 3]; 2],
 }
 
@@ -70,7 +70,7 @@ impl Pair {
     }
 }
 
-/// [kg m²/s] about the middle of the box.
+/// [kg m²/s] total angular momentum of the particles about the middle of the box.
 pub fn angular_momentum(particles: &Particles) -> Vector3<f64> {
     let (spins, inertia) = (particles.spin.as_ref().unwrap(), particles.inertia.as_ref().unwrap());
     let of = |k: usize| {
@@ -83,7 +83,8 @@ pub fn angular_momentum(particles: &Particles) -> Vector3<f64> {
 /// Reference case: name, pair, and relative velocity [m/s] and spins [rad/s] after the impact.
 type ReferencePair = (&'static str, Pair, [f64; 3], [[f64; 3]; 2]);
 
-/// RB: pairs of finite stiffness with shared lever arms. RB2 is in three dimensions; its spring turns with the spin
+/// Pairs of spheres with finite stiffness (section RB of the catalogue of reference values). The lever arms of
+/// friction end at a common point of contact. The pair RB2 moves in three dimensions; its spring turns with the spin
 /// about the normal.
 fn reference_pairs() -> [ReferencePair; 5] {
     let (half, one) = ([(5e-4, 2500.0); 2], [(2e-4, 1038.0), (7.5e-4, 1032.0)]);
@@ -157,7 +158,8 @@ fn reference_pairs() -> [ReferencePair; 5] {
     ]
 }
 
-/// [-] largest deviation of velocity and surface speeds from the reference, over the approach speed.
+/// [-] largest deviation from the reference after an impact, of the relative velocity or of radius times spin, over
+/// the speed before the impact.
 fn deviation((name, pair, velocity, spins): &ReferencePair, (v, w): (Vector3<f64>, [Vector3<f64>; 2])) -> f64 {
     let speed = Vector3::from(pair.velocity).norm();
     let off = (v - Vector3::from(*velocity)).norm() / speed;
@@ -175,8 +177,8 @@ fn soft_pairs_are_those_of_the_reference() {
     }
 }
 
-/// Each particle of a pair is turned, the spring turns with both spins, and friction is counted without the energy of
-/// the spring. The results of uniform steps converge to the reference for short steps.
+/// Results of uniform steps converge to the reference for short steps. Each particle of a pair rotates, the spring
+/// turns with both spins, and the loss by friction does not contain the energy of the spring.
 #[test]
 fn soft_pairs_by_uniform_stepping_converge() {
     for case in reference_pairs() {

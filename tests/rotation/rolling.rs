@@ -1,4 +1,5 @@
-//! Rolling and twisting resistance: closed forms (RE), balances, and contacts that are too short for resistance.
+//! Rolling and twisting resistance: closed forms (section RE of the catalogue of reference values), balances, and
+//! contacts that are too short for resistance.
 
 use super::*;
 use diptych::rotation::{ResistanceFriction, RollingLaw, TwistingLaw};
@@ -10,11 +11,11 @@ const STEPPINGS: [SoftStepping; 2] = [SoftStepping::Local, SoftStepping::Uniform
 pub(super) struct OnFloor {
     pub(super) stiffness: f64,
     friction: f64,
-    /// [-] k_t/k_n and c_t/c_n.
+    /// [-] tangential stiffness and dashpot, divided by the normal ones.
     tangential: (f64, f64),
     rolling: Option<RollingLaw>,
     pub(super) twisting: Option<TwistingLaw>,
-    /// Rolling and twisting friction of the floor, and of the pair of ball and floor.
+    /// Rolling and twisting friction of the floor (`own`), and of the pair of ball and floor (`of_pair`).
     pub(super) own: ResistanceFriction,
     pub(super) of_pair: Option<ResistanceFriction>,
     angle: f64,
@@ -30,7 +31,8 @@ impl OnFloor {
         Self { stiffness: 1e4, friction, tangential, rolling, twisting, own, of_pair, angle: 0.0, stepping }
     }
 
-    /// Simulation of the ball with a speed [m/s] and a spin [rad/s], at its static overlap.
+    /// Simulation of the ball on the floor with a speed [m/s] and a spin [rad/s], pressed into the floor by its
+    /// weight. A contact has `steps` time steps.
     pub(super) fn simulation(&self, speed: f64, spin: Vector3<f64>, steps: f64) -> Simulation {
         self.on(None, (speed, spin), steps)
     }
@@ -84,8 +86,9 @@ fn speeds(simulation: &Simulation) -> [f64; 2] {
 }
 
 impl OnFloor {
-    /// Checks that the ledger explains the energy of the ball and of its springs, to the fraction `share` of the
-    /// initial energy. The energy of the initial overlap is added, because contacts are found in the first window.
+    /// Checks that the ledger explains the energy of the ball and of its springs, up to the fraction `share` [-] of
+    /// the initial energy `start` [J]. The energy of the initial overlap is added, because contacts are found in the
+    /// first window.
     fn closes(&self, simulation: &Simulation, start: f64, share: f64) {
         let sunk = simulation.particles.mass[0] * 9.81 / self.stiffness;
         let residual =
@@ -99,8 +102,8 @@ impl OnFloor {
     }
 }
 
-/// On a level floor, a rolling ball slows down by (5/7) μ_r g, with a spring at its limit and with a constant torque.
-/// With a viscous torque it slows down exponentially.
+/// On a level floor, a rolling ball slows down by (5/7) μ_r g (rolling friction μ_r, gravity g), with a spring at its
+/// limit and with a constant torque. With a viscous torque it slows down exponentially.
 #[test]
 fn a_ball_on_a_level_floor_slows_down() {
     let (speed, time) = (0.02, 0.02_f64);
@@ -122,8 +125,8 @@ fn a_ball_on_a_level_floor_slows_down() {
     }
 }
 
-/// With a spring the ball comes to rest after 7 u/(5 μ_r g) and stays at rest. With a constant torque it oscillates
-/// slightly about rest.
+/// With a rolling spring, a ball of the speed u comes to rest after 7 u/(5 μ_r g) (rolling friction μ_r, gravity g)
+/// and stays at rest. With a constant torque it oscillates slightly about rest.
 #[test]
 fn a_ball_comes_to_rest() {
     let (speed, friction) = (0.005, 0.05);
@@ -142,8 +145,8 @@ fn a_ball_comes_to_rest() {
     }
 }
 
-/// RE: below the limit, a rolling spring makes the ball oscillate with ω² = 5 k_r/(7 m R²), if the contact hardly
-/// slips.
+/// Below its limit, a rolling spring of stiffness k_r makes the ball oscillate with ω² = 5 k_r/(7 m R²) (mass m,
+/// radius R), if the contact hardly slips (section RE of the catalogue).
 #[test]
 fn a_rolling_spring_swings_below_its_limit() {
     for stepping in STEPPINGS {
@@ -164,8 +167,8 @@ fn a_rolling_spring_swings_below_its_limit() {
     }
 }
 
-/// RE: a ball rests on an incline with tan α <= μ_r. On a steeper incline it rolls with (5/7) g (sin α - μ_r cos α),
-/// and slips where friction is too small for rolling.
+/// A ball rests on an incline with tan α <= μ_r (rolling friction μ_r; section RE of the catalogue). On a steeper
+/// incline it rolls with the acceleration (5/7) g (sin α - μ_r cos α), and slips if friction is too small for rolling.
 #[test]
 fn a_ball_on_an_incline_rests_rolls_or_slips() {
     for stepping in STEPPINGS {
@@ -190,7 +193,8 @@ fn a_ball_on_an_incline_rests_rolls_or_slips() {
     }
 }
 
-/// RE: a spin about the vertical ends after 3 R² ω/(5 μ g a) if the contact resists twisting, and continues otherwise.
+/// A spin ω about the vertical ends after 3 R² ω/(5 μ g a) if the contact resists twisting (radius R, friction μ,
+/// contact radius a; section RE of the catalogue). Otherwise it continues.
 #[test]
 fn a_spin_about_the_vertical_slows_down() {
     let spin = Vector3::new(0.0, 100.0, 0.0);
@@ -212,7 +216,7 @@ fn a_spin_about_the_vertical_slows_down() {
     }
 }
 
-/// An impact ends before rolling resistance begins.
+/// Rolling resistance begins only in lasting contacts, so an impact does not change by it.
 #[test]
 fn impacts_leave_rolling_resistance_out() {
     for stepping in STEPPINGS {
@@ -240,7 +244,7 @@ fn resistance_keeps_angular_momentum() {
     assert!(uniform[0] > 1.9 * uniform[1] && uniform[1] > 1.9 * uniform[2] && uniform[2] < 2e-4, "{uniform:?}");
 }
 
-/// Fraction of the energy that the ledger does not explain.
+/// Two spheres roll and twist on each other. Returns the fraction of the energy that the ledger does not explain.
 fn pressed_and_rolling(stepping: SoftStepping, steps: f64) -> f64 {
     let of = surface(0.5, 0.4);
     let mut scene = empty([0.02; 3], [true; 3], small(), of);

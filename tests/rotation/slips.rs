@@ -1,8 +1,10 @@
-//! Slips in the record of impacts: tangential restitution, and fraction of the impacts that slide all the time.
+//! Slips in the record of impacts: tangential restitution, and fraction of the impacts in which the surfaces slide
+//! from beginning to end.
 
 use super::*;
 
-/// Tangential restitution, and true if the impact slides, for one bounce in an engine.
+/// Tangential restitution of one bounce in an engine, and true if the surfaces slide from beginning to end. `start` is
+/// the angle of impact [°] and radius times spin over speed.
 fn recorded(surfaces: &Surfaces, start: (f64, f64), engine: Box<dyn Engine>) -> (f64, bool) {
     let (scene, particles) = thrown(surfaces, surfaces.of_spring(), start);
     let mut simulation = Simulation::with_engine(scene, particles, engine);
@@ -11,8 +13,9 @@ fn recorded(surfaces: &Surfaces, start: (f64, f64), engine: Box<dyn Engine>) -> 
     (summary.tangential_restitution.unwrap(), summary.share_sliding.unwrap() == 1.0)
 }
 
-/// The slip is v_t - R ω. The reference values of the spring determine the ratio of the slips and the tangential
-/// impulse m |Δv_t|. If the surfaces slide all the time, this impulse is μ (1 + e) m v_n.
+/// The slip is v_t - R ω (tangential velocity, radius, spin). The reference values of the spring determine the ratio
+/// of the slips and the tangential impulse m |Δv_t|. If the surfaces slide all the time, this impulse is μ (1 + e) m
+/// v_n.
 #[test]
 fn impacts_record_the_change_of_slip() {
     let mut sliding = 0;

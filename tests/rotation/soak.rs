@@ -1,5 +1,5 @@
-//! Many random scenes of rough spheres in every way of stepping: energy, momentum and angular momentum compared with the
-//! errors that the schemes can explain.
+//! Many random scenes of rough spheres with every engine and kind of time steps: energy, momentum and angular momentum
+//! compared with the errors that the schemes can explain.
 
 use super::*;
 use crate::meshes::heaps;
@@ -15,14 +15,15 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::PI;
 
-/// Springs of a crowd: linear ones, or those of Hertz and Mindlin.
+/// Contact springs of a dense group of spheres: linear ones, or those of Hertz and Mindlin.
 #[derive(Clone, Copy, PartialEq)]
 enum Springs {
     Linear,
     Mindlin,
 }
 
-/// Dense group of rough spheres, the ratio k_t/k_n of its tangential spring, and its steps per contact.
+/// Dense group of rough spheres. `spring` is the ratio of the tangential to the normal stiffness, `steps` the number
+/// of steps per contact.
 struct RoughCrowd {
     crowd: Crowd,
     law: ContactLaw,
@@ -39,7 +40,8 @@ fn kinds(ratio: f64) -> [Species; 2] {
     [unit(), lighter]
 }
 
-/// Surroundings of the crowd with this seed: periodic box, plates, pipe, floor of triangles, or free space.
+/// Surroundings of the dense group with this seed: periodic box, plates, pipe, floor of triangles, or free space. The
+/// flags tell the periodic sides.
 fn walls(seed: u64, size: f64, of: diptych::scene::Surface) -> ([bool; 3], Vec<Wall>) {
     let half = 0.5 * size;
     match seed % 5 {
@@ -61,10 +63,10 @@ fn walls(seed: u64, size: f64, of: diptych::scene::Surface) -> ([bool; 3], Vec<W
     }
 }
 
-/// Crowd with this seed: volume fraction 0.1 to 0.4 (less in a pipe), overlaps of 0.2 to 2 % of a diameter, 8 to 25
-/// steps per contact. Every third crowd is a mixture, every seventh is in a gas, every second has rolling resistance.
-/// Crowds with walls have gravity. Springs after Mindlin have Poisson's ratio 0.3, and the contact time drawn at a relative
-/// speed of 1.
+/// Dense group of spheres with this seed: volume fraction 0.1 to 0.4 (less in a pipe), overlaps of 0.2 to 2 % of a
+/// diameter, 8 to 25 steps per contact. Every third one is a mixture, every seventh is in a gas, every second has
+/// rolling resistance. Groups with walls have gravity. Mindlin's springs have Poisson's ratio 0.3, and their stiffness
+/// follows from a random contact time at a relative speed of 1 m/s.
 fn rough_crowd(seed: u64, springs: Springs) -> RoughCrowd {
     let mut draw = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut log = |low: f64, high: f64| low * (high / low).powf(draw.random::<f64>());
@@ -154,7 +156,7 @@ fn hertz(contact_time: f64) -> ContactLaw {
     law((soft.contact_time(&soft.between(&elastic), 1.0) / contact_time).powf(2.5))
 }
 
-/// Ways of stepping by name, with a flag that is true for soft spheres.
+/// Engines and kinds of time steps by name, with a flag that is true for soft spheres.
 fn engines(rough: &RoughCrowd) -> Vec<(&'static str, Box<dyn Engine>, bool)> {
     let crowd = &rough.crowd;
     let soft = |stepping| -> Box<dyn Engine> {
@@ -171,10 +173,11 @@ fn engines(rough: &RoughCrowd) -> Vec<(&'static str, Box<dyn Engine>, bool)> {
 }
 
 impl RoughCrowd {
-    /// [J] energy that uniform steps may add or remove. The spring with the highest frequency is the normal spring, or
-    /// the tangential one with ω_t² = (7/2) κ ω_0². Verlet's method shifts 1/(1 - x²/4) - 1 of its energy (see `soak`).
-    /// A contact begins to slide or to stick anywhere within a step. In this step, friction does at most π/(2 N_c) of
-    /// the work of an impact.
+    /// [J] energy that uniform steps may add or remove. The spring with the highest frequency is the normal spring
+    /// (ω_0), or the tangential one with ω_t² = (7/2) κ ω_0² (stiffness ratio κ). With x = ω Δt of this spring,
+    /// Verlet's method shifts 1/(1 - x²/4) - 1 of its energy (see `soak`). A contact begins to slide or to stick
+    /// anywhere within a step. In this step, friction does at most π/(2 N_c) of the work of an impact (N_c: steps per
+    /// contact).
     fn explained(&self, simulation: &Simulation) -> f64 {
         let lightest = self.crowd.scene.species.iter().map(Species::mass).fold(1.0, f64::min);
         let stiffest = (3.5 * self.spring).max(1.0) * TOGETHER * self.crowd.stiffness / (0.5 * lightest);
@@ -185,7 +188,8 @@ impl RoughCrowd {
         verlet * (energy_of_impacts(simulation) + simulation.energy()) + 0.5 * PI / self.steps * friction
     }
 
-    /// Change of the angular momentum, over the change that the errors of the scheme and of rounding explain.
+    /// [-] change of the angular momentum, divided by the change that the errors of the scheme and of rounding
+    /// explain.
     fn turned(&self, simulation: &Simulation, soft: bool) -> f64 {
         let size = self.crowd.scene.domain.size;
         let about = |particles: &Particles| {
@@ -210,7 +214,7 @@ impl RoughCrowd {
     }
 }
 
-/// Runs the crowds with these seeds, prints the worst case of each way of stepping, and returns the faults.
+/// Runs the dense groups with these seeds, prints the worst case of each engine, and returns the faults.
 fn soak(seeds: std::ops::Range<u64>, springs: Springs) -> Vec<String> {
     let mut faults = Vec::new();
     let mut worst = std::collections::BTreeMap::<&str, [f64; 4]>::new();
@@ -257,7 +261,7 @@ fn books_balance_in_a_few_random_crowds_with_mindlins_springs() {
     assert!(faults.is_empty(), "{faults:#?}");
 }
 
-/// Defines an ignored test of the crowds with a range of seeds, so that five of them can run side by side.
+/// Defines an ignored test of the dense groups with a range of seeds, so that five such tests can run side by side.
 macro_rules! hundred_crowds {
     ($($name:ident: $springs:ident $seeds:expr),*) => {
         $(

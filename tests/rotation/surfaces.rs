@@ -12,8 +12,8 @@ fn rolled(floor: &rolling::OnFloor) -> (Vector3<f64>, Vector3<f64>) {
     (simulation.particles.velocity[0], simulation.particles.spin_of(0))
 }
 
-/// A coefficient of a wall or a pair replaces that of the law: the motion has the same bits as with a law of this
-/// coefficient. A pair has priority over its wall.
+/// A rolling friction coefficient of a wall or a pair replaces that of the rolling law. The motion has the same bits
+/// as with a law of this coefficient. A pair has priority over its wall.
 #[test]
 fn a_wall_or_a_pair_has_its_own_rolling_friction() {
     let law = |friction: f64| RollingLaw::Spring { friction, stiffness: None, damping: 0.1 };

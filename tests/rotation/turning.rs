@@ -17,8 +17,9 @@ fn engines() -> Vec<(&'static str, f64, Box<dyn Engine>)> {
     ]
 }
 
-/// A solid sphere that rolls on a turntable moves on circles with 2/7 of the rate of the table, for any position of the
-/// axis. Friction gives it the acceleration dv/dt = (2/7) Ω × v.
+/// A solid sphere that rolls on a turntable moves on circles with 2/7 of the rate of the table, for any position of
+/// the axis. Friction gives a sphere of velocity v the acceleration dv/dt = (2/7) Ω × v, with the angular velocity Ω
+/// of the table.
 #[test]
 fn a_ball_on_a_turntable_moves_on_circles() {
     let of = surface(0.5, 0.9);
@@ -121,7 +122,8 @@ fn an_impact_on_a_turning_wall_is_one_on_a_belt() {
     }
 }
 
-/// Spheres in a turning drum that contains a turning ball. The ledger explains energy and momentum in every engine.
+/// Spheres in a turning drum that contains a turning ball. The ledger (sums of all gains and losses) explains energy
+/// and momentum in every engine.
 #[test]
 fn the_balance_of_a_turning_drum_closes() {
     let of = surface(W3.restitution, W3.friction);

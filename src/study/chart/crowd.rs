@@ -21,7 +21,7 @@ pub struct Crowd {
     /// Particles with which every method starts. The first run of the reference method begins the stretch (piece of
     /// simulated time) with the same particles.
     start: Particles,
-    /// Outcomes of the runs of the reference method, one for each seed.
+    /// Outcomes of the runs of the reference method (with which all methods are compared), one for each seed.
     references: Vec<Outcome>,
     /// Description of the reference method for the reader, such as "hard spheres at exact instants".
     pub method: &'static str,

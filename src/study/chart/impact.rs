@@ -23,8 +23,8 @@ use std::time::Instant;
 /// the instant within a time step at which the bodies first touch.
 pub const PHASES: usize = 128;
 
-/// Number of phases (instants of the first touch within a time step) for each phase that is run on trial. The wall
-/// time of all phases is estimated from the trial.
+/// Number of phases (instants of the first touch within a time step) divided by the number of phases that are run on
+/// trial. The wall time of a run with all phases is estimated from the trial.
 const TRIAL: usize = 16;
 
 /// One head-on impact of two spheres, or of a sphere on a plane wall.

@@ -4,8 +4,8 @@ use crate::runs::INTERVAL;
 use crate::simulation::Simulation;
 use std::time::Instant;
 
-/// [-] weight of the estimate that was made before the runs. The estimate counts as much as measured runs whose
-/// estimated wall time is this share of that of the whole chart.
+/// [-] weight of the wall time that was estimated before the runs, when the remaining time is computed. The estimate
+/// counts as much as measured runs that make up this share of the whole chart.
 const PRIOR: f64 = 0.05;
 
 /// Progress of the runs of a chart, with the expected wall time of each run.
@@ -63,8 +63,8 @@ impl Outlook {
         self.name = name;
     }
 
-    /// Observer that prints the progress of the present run, which may consist of several simulations. `whole` [s] is
-    /// the simulated time of all of them, and `before` [s] that of the completed ones.
+    /// Observer that prints the progress of the present run of the chart, which may consist of several simulations.
+    /// `whole` [s] is the simulated time of all these simulations, `before` [s] that of the completed ones.
     pub fn watching(&mut self, before: f64, whole: f64) -> impl FnMut(&Simulation) {
         move |simulation| self.within((before + simulation.time) / whole)
     }

@@ -82,8 +82,8 @@ impl Stretch {
         Ok(Self { experiment, before, window })
     }
 
-    /// Possible reference methods, each as an experiment with a description. The second one is used if the engine of
-    /// the first one fails. There is no second one if the case has no contact law.
+    /// Methods that may serve as the reference of the chart, each as an experiment with a description. The second one
+    /// is used if the engine of the first one fails. There is no second one if the case has no contact law.
     pub fn ways(&self) -> Vec<(Experiment, &'static str)> {
         let mut hard = self.experiment.clone();
         hard.run.spheres = Spheres::Hard;

@@ -7,9 +7,10 @@ use crate::runs::StudyError;
 use serde::Deserialize;
 use std::path::Path;
 
-/// Name of the table in the folder of a run.
+/// Name of the table with the gas among the particles, in the folder of a finished run.
 const GAS_TABLE: &str = "gas.csv";
-/// Largest size [bytes] of the table that is read. The table of one variant (experiment of a case) has some 20 kB.
+/// Largest size [bytes] of a table `gas.csv` that is read. The table of one variant (experiment of a case) has some 20
+/// kB.
 const LARGEST: u64 = 50_000_000;
 /// [-] largest allowed difference between two velocities of the gas alone: that in the table of the run and that of
 /// the case. The difference is divided by the largest velocity. The table has all digits of a double.
@@ -33,7 +34,7 @@ struct GasRow {
 }
 
 impl GasRow {
-    /// Values at this grid point: first of the gas alone, then of the gas among the particles.
+    /// Values of the row at its grid point: first of the gas alone, then of the gas among the particles.
     fn nodes(&self) -> [GridNode; 2] {
         let y = self.y_m;
         [
@@ -53,9 +54,9 @@ impl GasRow {
 pub struct GasAmongParticles {
     /// Name of the variant (experiment of a case).
     pub name: String,
-    /// Gas alone, from the wall to the middle of the channel.
+    /// Gas without particles, at the grid points from the wall to the middle of the channel.
     pub alone: Vec<GridNode>,
-    /// Time average of the gas among the particles, at the same points.
+    /// Time average of the gas among the particles, at the grid points from the wall to the middle of the channel.
     pub mean: Vec<GridNode>,
 }
 

@@ -25,12 +25,12 @@ const POINTS: usize = 20;
 /// adds the granular temperature and the impact rate of each species. It also adds the streamwise velocity of each
 /// species if gas, gravity or walls drive a stream.
 ///
-/// The velocities V (normal to the walls) and W (spanwise) and the stresses uw and vw are left out: V vanishes since
-/// mass is conserved; W, uw and vw vanish by symmetry. Other averages are compared only under a condition. The
-/// streamwise velocity U needs gas, gravity along the stream, or walls that move, since momentum is conserved
-/// otherwise. The number density needs walls or gravity. The stress uv needs walls and a stream, or a sheared box. The
-/// rotational temperature T_r needs spheres that rotate in both variants. The mean spin needs rotation, walls and a
-/// stream.
+/// The velocities V (normal to the walls) and W (spanwise) are left out, and so are the stresses uw and vw, the means
+/// of products of two components of the fluctuation. V vanishes since mass is conserved; W, uw and vw vanish by
+/// symmetry. Other averages are compared only under a condition. The streamwise velocity U needs gas, gravity along
+/// the stream, or walls that move, since momentum is conserved otherwise. The number density needs walls or gravity.
+/// The stress uv needs walls and a stream, or a sheared box. The rotational temperature T_r needs spheres that rotate
+/// in both variants. The mean spin needs rotation, walls and a stream.
 pub fn observables(variant: &Outcome, reference: &Outcome) -> [Vec<Observable>; 2] {
     let scene = &reference.experiment.scene;
     let walls = !scene.walls.is_empty();

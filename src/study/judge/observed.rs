@@ -1,5 +1,5 @@
-//! Comparison of the numbers that two steady runs measure because their case has a table `[observe]`. The rule of
-//! comparison is that for the averages of every case. A variant is one of the experiments of a case.
+//! Comparison of the numbers that two steady runs measure because their case has a table `[observe]`. They are
+//! compared by the same rule as the averages that every case has. A variant is one of the experiments of a case.
 //!
 //! These numbers are tested together, with a separate error level (probability of a false difference) of 1 %, and are
 //! no part of the answer for the variants. So a further measurement changes neither this answer nor its probability of
@@ -68,7 +68,7 @@ pub fn observed_differences(runs: [&[Observation]; 2], until: f64, asked: Criter
 struct SharedNumber<'a> {
     measurement: &'static str,
     numbers: [&'a ObservedNumber; 2],
-    /// Values with their standard errors, in the unit of the number.
+    /// Values of the number in the two runs, each with its standard error, in the unit of the number.
     values: [Estimate; 2],
 }
 

@@ -307,9 +307,9 @@ pub struct Missed {
     /// [m/s] largest speed of a particle in the reference. If nothing moves in the reference, largest speed in the
     /// other runs.
     pub speed: f64,
-    /// [m/s] largest velocity of a particle in the weighted sum, as a magnitude.
+    /// [m/s] largest velocity of a particle in the weighted sum of the runs, as a magnitude.
     pub velocity: f64,
-    /// [m] largest displacement of a particle in the weighted sum, as a magnitude.
+    /// [m] largest displacement of a particle in the weighted sum of the runs, as a magnitude.
     pub place: f64,
 }
 

@@ -44,8 +44,8 @@ pub struct Shifts {
 }
 
 impl<'a> ShiftReference<'a> {
-    /// Makes a reference from the runs of the unchanged case, and chooses the kind of comparison that is valid for
-    /// these runs.
+    /// Makes a reference from the runs of the unchanged case. Chooses the kind of comparison (paths, averages or
+    /// curves) that is valid for these runs.
     pub fn new(runs: ReplicaRuns<'a>) -> Self {
         let outcome = runs.outcome;
         let few = !outcome.paths.points.is_empty();

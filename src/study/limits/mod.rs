@@ -97,7 +97,8 @@ const SWEEPS: [MapRun; 20] = [
     (&[map!("walton-undamped", "reduced_slip,tangential_restitution,rebound,walton,error")], walton::walton),
 ];
 
-/// Runs all points of one entry of `SWEEPS`, and returns its maps in the order of the entry.
+/// Runs all points of one sweep (entry of `SWEEPS`: a set of points from which maps are made). Returns its maps in the
+/// order of the entry.
 fn sweep(&(entries, run): &MapRun, grid: &Grid) -> Result<Vec<Map>, StudyError> {
     let cases: Vec<Case> = entries
         .iter()

@@ -1,5 +1,5 @@
-//! Realised restitution of head-on impacts of two soft spheres that first touch at different instants within a time
-//! step.
+//! Realised restitution (ratio of the normal speeds after and before) of simulated head-on impacts of two soft
+//! spheres. The spheres first touch at different instants within a time step.
 
 use super::picture::{MapAxis, even, plane, points};
 use super::scenes::{DIAMETER, mass, place, restitute, run, simulation, speeds};
@@ -17,9 +17,10 @@ use nalgebra::Vector3;
 /// colour in the map. The fifth class has larger errors.
 const CLASSES: [f64; 4] = [0.001, 0.005, 0.02, 0.05];
 
-/// Mean, least and largest realised restitution [-] of head-on impacts, and the failure of the first run that failed
-/// (`None` without a failure). The spheres first touch at `phases` equally spaced instants within a time step of `step`
-/// [s]. `e` is the given restitution, `steps` the number of steps per contact.
+/// Mean, least and largest realised restitution [-] (ratio of the speeds after and before a simulated head-on impact),
+/// and the failure of the first run that failed (`None` without a failure). The spheres first touch at `phases`
+/// equally spaced instants within a time step of `step` [s]. `e` is the given restitution, `steps` the number of steps
+/// per contact.
 fn rebounds(
     grid: &Points,
     phases: u32,

@@ -11,14 +11,14 @@ use crate::scene::{Species, Surface};
 use crate::simulation::Simulation;
 use nalgebra::Vector3;
 
-/// [m] diameter of the small particle of the paper.
+/// [m] diameter of the small particle of the paper (docs/paper.md).
 pub const DIAMETER: f64 = 406e-6;
-/// [kg/m³] density of the small particle of the paper.
+/// [kg/m³] density of the small particle of the paper (docs/paper.md).
 const DENSITY: f64 = 1038.0;
-/// [N/m] stiffness k_n of the contacts of the paper.
+/// [N/m] stiffness k_n of the contacts of the paper (docs/paper.md).
 pub const STIFFNESS: f64 = 3000.0;
 
-/// [kg] mass of the small particle of the paper.
+/// [kg] mass of the small particle of the paper (docs/paper.md).
 pub fn mass() -> f64 {
     Species::new("", DIAMETER, DENSITY).mass()
 }
@@ -77,23 +77,24 @@ pub fn restitute(experiment: &mut Experiment, restitution: f64) {
         .for_each(|surface| *surface = Surface::new(restitution, surface.friction));
 }
 
-/// Fills a periodic cube with `count` small spheres of the paper, so that their volume fraction is `fraction` [-].
+/// Fills a periodic cube with `count` small spheres of the paper (docs/paper.md), so that their volume fraction is
+/// `fraction` [-].
 pub fn fill(experiment: &mut Experiment, count: usize, fraction: f64) {
     let edge = (count as f64 * mass() / DENSITY / fraction).cbrt();
     experiment.scene.domain = Domain::new(Vector3::repeat(edge), [true; 3]);
     experiment.start[0].amount = Amount::Count(count);
 }
 
-/// [1/s] collision rate of one sphere in a gas, by Enskog: 24 φ g sqrt(T/π)/d. `fraction` is the volume fraction φ [-],
-/// `temperature` the granular temperature T [m²/s²]. The contact value g = (1 - φ/2)/(1 - φ)³ is that of Carnahan and
-/// Starling (1969).
+/// [1/s] collision rate of one sphere of diameter d in a gas, by Enskog: 24 φ g sqrt(T/π)/d. `fraction` is the volume
+/// fraction φ [-], `temperature` the granular temperature T [m²/s²]. The contact value g = (1 - φ/2)/(1 - φ)³ is that
+/// of Carnahan and Starling (1969).
 pub fn collision_rate(fraction: f64, temperature: f64) -> f64 {
     let g = (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
     24.0 * fraction * g * (temperature / std::f64::consts::PI).sqrt() / DIAMETER
 }
 
-/// [m²/s²] granular temperature 2E/(3(N-1)m) of a gas of N equal spheres with kinetic energy E. The total momentum is
-/// zero, which removes three degrees of freedom.
+/// [m²/s²] granular temperature 2E/(3(N-1)m) of a gas of N spheres of equal mass m with kinetic energy E. The total
+/// momentum is zero, which removes three degrees of freedom.
 pub fn temperature(simulation: &Simulation) -> f64 {
     2.0 * simulation.particles.kinetic_energy() / (3.0 * (simulation.particles.len() as f64 - 1.0) * mass())
 }

@@ -17,8 +17,8 @@ use std::f64::consts::PI;
 /// [-] overlap of the sphere with each of the two walls, divided by the diameter of the sphere.
 const SQUEEZE: f64 = 0.005;
 
-/// [-] size of the initial disturbance, divided by the overlap of the sphere with each wall. The contacts open when the
-/// disturbance has grown a hundredfold.
+/// [-] size of the initial disturbance, divided by the overlap of the sphere with each wall. If the disturbance grows
+/// a hundredfold, the contacts open.
 const DISTURBANCE: f64 = 0.01;
 
 /// Number of time steps in the run of one point of the map. At ω_0 Δt = 0.1 (time step Δt, undamped angular frequency

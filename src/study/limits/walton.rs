@@ -1,5 +1,6 @@
-//! Comparison of Walton's rule for oblique impacts of hard spheres with soft impacts. The tangential spring of the soft
-//! impacts has the same tangential restitution β_0 as the rule.
+//! Comparison of Walton's rule with impacts of soft spheres. The rule computes oblique impacts of hard spheres from
+//! the restitution, the friction and the tangential restitution β_0. The tangential spring of the soft impacts has the
+//! same β_0.
 
 use super::picture::{MapAxis, even, plane, points};
 use super::scenes::{run, simulation};
@@ -23,7 +24,7 @@ const CLASSES: [f64; 4] = [0.002, 0.01, 0.05, 0.2];
 const SOLID: f64 = 2.0 / 7.0;
 
 /// Tangential law with the tangential restitution `beta` (β_0) [-], for surfaces whose normal restitution is
-/// `restitution` [-]. If the tangential law of the case is given by a β_0, only this number is replaced. Otherwise the
+/// `restitution` [-]. If the tangential law of the case is given by a β_0, `beta` replaces this β_0. Otherwise the
 /// spring has no dashpot, and its stiffness ratio is κ = (2/7)(1 - ζ²)(arccos(-β_0)/π)², with the damping ratio ζ.
 fn law(case: &TangentialLaw, restitution: f64, beta: f64) -> TangentialLaw {
     let ratio = damping_ratio(restitution);

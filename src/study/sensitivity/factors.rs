@@ -28,8 +28,8 @@ const PAPER_WALL_FRICTION: f64 = 0.325;
 /// [-] standard error of a measured friction coefficient, by which the study increases a friction that is not 0:
 /// cellulose acetate 0.25 ± 0.02 (Foerster et al. 1994).
 const FRICTION_ERROR: f64 = 0.02;
-/// [-] number of steps per contact in the cases B to D of the paper, from its printed time step and stiffness
-/// (docs/paper.md, "The audit").
+/// [-] number of steps per contact in the cases B to D of the paper, from the time step and the stiffness that the
+/// paper prints (docs/paper.md, "The audit").
 const PAPER_STEPS: f64 = 7.7;
 /// [-] step criterion θ of hard spheres that move in time steps: distance by which a typical pair of spheres approaches
 /// in one step, divided by the diameter. The value is a third of the usual 0.3, at which fast spheres pass through
@@ -229,7 +229,8 @@ fn restitution(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<Planned
     surface(plan, &all, ("restitution", "e"), why(size, why_restitution(first)))
 }
 
-/// Returns an error if the restitution of a surface depends on the speed, since the factor sets one number.
+/// Returns an error if the restitution of a surface depends on the speed, since the factor (change of the case) sets
+/// one number.
 fn refuse_by_speed<'a>(mut surfaces: impl Iterator<Item = &'a Surface>) -> Result<(), String> {
     match surfaces.any(|surface| surface.by_speed.is_some()) {
         true => Err("the restitution depends on the speed: `diptych sweep` changes the keys of its law".into()),
@@ -293,8 +294,8 @@ fn walls(plan: &SensitivityPlan, of: fn(&Surface) -> f64) -> Result<Vec<(String,
     Ok(every.chain(listed.iter().map(|(table, meeting)| (table.clone(), of(&meeting.surface)))).collect())
 }
 
-/// Factor that changes the key `key` of several surfaces. `symbol` is its symbol in texts. Each surface is given by the
-/// name of its table, the old value and the new value.
+/// Factor (change of the case) that changes the key `key` of several surfaces. `symbol` is the symbol of the key in
+/// texts. Each surface is given by the name of its table, the old value and the new value.
 fn surface(
     plan: &mut SensitivityPlan,
     surfaces: &[(String, f64, f64)],
@@ -440,7 +441,7 @@ fn seed(plan: &mut SensitivityPlan, size: Option<&str>) -> Result<PlannedFactor,
     ))
 }
 
-/// Factor that the user defines by a change of one key, given as `key=value` in `text`.
+/// Factor (change of the case) that the user defines by one key, given as `key=value` in `text`.
 pub fn own(plan: &mut SensitivityPlan, text: &str) -> Result<PlannedFactor, String> {
     let run = plan.add(text, &[text.to_owned()], None, None)?;
     Ok(PlannedFactor::against(plan.first(), run, text.to_owned(), "as asked for"))

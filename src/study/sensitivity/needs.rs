@@ -91,7 +91,8 @@ fn superfluous<'a>(
     chosen
 }
 
-/// [-] wall time of the run of a factor divided by that of the run with all models; 1 if the time is not known.
+/// [-] wall time of the run of a factor (change of the case) divided by that of the run with all models; 1 if the time
+/// is not known.
 fn cost(runs: &[SensitivityRun], factor: &Factor) -> f64 {
     let time = |name: &str| runs.iter().find(|run| run.name == name).map(|run| run.wall_seconds);
     let own = factor.runs[0].first().and_then(|name| time(name));

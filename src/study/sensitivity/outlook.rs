@@ -1,4 +1,4 @@
-//! Number of runs and wall time of a sensitivity study, estimated before it begins.
+//! Number of runs and wall time of a sensitivity study, estimated before the study begins.
 
 use super::plan::SensitivityPlan;
 use crate::experiment::Model;
@@ -50,7 +50,8 @@ fn time(plan: &SensitivityPlan) -> Result<f64, StudyError> {
     Ok(times)
 }
 
-/// Text for the user: the factors with their sizes, the factors that are left out, and the text of [`line`].
+/// Text for the user: the factors (changes of the case) with their sizes, the factors that are left out, and the text
+/// of [`line`].
 ///
 /// # Errors
 /// Returns the errors of [`line`].

@@ -15,14 +15,14 @@ use crate::study::replicas::replicas;
 /// kept moving, so that no run is steady. Student's t of a difference then has 14 degrees of freedom.
 const REPLICAS: u16 = 8;
 
-/// Reason for leaving out a factor if the user has named other factors.
+/// Reason for leaving out a factor (change of the case) if the user has named other factors.
 pub const NOT_ASKED: &str = "not asked for";
 
 /// Largest number of particles for which runs are compared by the paths of the particles. Such a comparison needs no
 /// replicas (runs with different seeds).
 const FEW: usize = 50;
 
-/// Runs that are compared for a factor, given by their indices in the plan.
+/// Runs that are compared for a factor (change of the case), given by their indices in the plan.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Compared {
     /// Difference of two runs: the run with the second index minus the run with the first index.
@@ -62,13 +62,14 @@ pub struct Simplification {
 }
 
 impl PlannedFactor {
-    /// Factor that compares the run with the index `run` with the run with the index `base`.
+    /// Factor (change of the case) that compares the run with the index `run` with the run with the index `base`.
     pub fn against(base: usize, run: usize, change: impl Into<String>, why: impl Into<String>) -> Self {
         Self::new(Compared::Against(base, run), change.into(), why.into())
     }
 
-    /// Factor that compares the extrapolation of several runs to infinite stiffness with the first run. Each entry of
-    /// `runs` has the index of a run, and the depth of its overlaps divided by that of the first run [-].
+    /// Factor (change of the case) that compares the extrapolation of several runs to infinite stiffness with the
+    /// first run. Each entry of `runs` has the index of a run, and the depth of its overlaps divided by that of the
+    /// first run [-].
     pub fn extrapolated(runs: Vec<(usize, f64)>, change: String, why: String) -> Self {
         Self::new(Compared::Extrapolated(runs), change, why)
     }
@@ -77,7 +78,8 @@ impl PlannedFactor {
         Self { name: String::new(), title: String::new(), compared, change, why, simpler: None }
     }
 
-    /// Indices of the changed runs of the factor, then indices of the runs with which they are compared.
+    /// Indices of the changed runs of the factor (change of the case), then indices of the runs with which they are
+    /// compared.
     pub fn sides(&self) -> [Vec<usize>; 2] {
         match &self.compared {
             Compared::Against(base, run) => [vec![*run], vec![*base]],
@@ -106,9 +108,9 @@ pub struct SensitivityPlan<'a> {
     base: Vec<String>,
     /// Runs of the study, without duplicates.
     pub runs: Vec<PlannedRun>,
-    /// Factors that are studied, the built-in ones first.
+    /// Factors (changes of the case) that are studied, the built-in ones first.
     pub factors: Vec<PlannedFactor>,
-    /// Factors that are not studied, each with the reason.
+    /// Factors (changes of the case) that are not studied, each with the reason.
     pub left_out: Vec<OmittedFactor>,
     /// Assumptions that were made when models were added to the case, as text for the report.
     pub assumed: Vec<String>,
@@ -165,7 +167,7 @@ impl<'a> SensitivityPlan<'a> {
         Ok(plan)
     }
 
-    /// Returns an error if the plan has no factor.
+    /// Returns an error if the plan has no factor (change of the case).
     ///
     /// # Errors
     /// The message of the error gives the reasons why factors are left out.

@@ -37,7 +37,8 @@ struct Switch {
     name: &'static str,
     /// Title of the model in a sentence.
     title: &'static str,
-    /// Function that returns the changes by which the model is added to a case, or the reason why it cannot be added.
+    /// Function that returns the changes by which the model is added to a case, or the reason why the model cannot be
+    /// added.
     richer: fn(&Experiment) -> Richer,
     /// Function that returns the change by which the model is left out, for a case with this model.
     simpler: fn(&SensitivityPlan) -> Simplification,

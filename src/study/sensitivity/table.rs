@@ -43,8 +43,9 @@ impl SensitivityTable<'_> {
         self.outcomes.iter().map(one).collect()
     }
 
-    /// Writes the results so far, and the summary if all runs are complete. Returns the path of the page, the sentences
-    /// of the conclusion, and one answer for all factors together (`None` without a factor).
+    /// Writes the results so far, and the summary if all runs are complete. Returns the path of the page, the
+    /// sentences of the conclusion, and one answer for all factors (changes of the case) together; `None` without a
+    /// factor.
     pub fn write(&self, folder: &Folder) -> Result<(PathBuf, Vec<String>, Option<Answer>), OutputError> {
         let pooled = self.pooled();
         let (factors, waiting) = weigh::factors(&self.plan, &pooled, &self.outcomes, self.margin);

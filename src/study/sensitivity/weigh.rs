@@ -94,7 +94,8 @@ fn shifts<'a>(
     }
 }
 
-/// Positive and negative part of a weighted sum of runs. In each part the weights are replaced by their magnitudes.
+/// Positive and negative part of a weighted sum of runs: the runs with positive weights, and those with negative
+/// weights, each with the magnitude of its weight.
 fn split<'a>(weights: &[f64], runs: &[ReplicaRuns<'a>]) -> [Vec<(f64, ReplicaRuns<'a>)>; 2] {
     let side = |sign: f64| -> Vec<(f64, ReplicaRuns<'a>)> {
         let all = weights.iter().zip(runs).map(|(weight, run)| (sign * weight, *run));

@@ -8,8 +8,9 @@ use crate::study::judge::{in_prose, margin_in_words};
 /// Name of the factor that changes only the seed. Its shifts show the effect of chance.
 const CHANCE: &str = "seed";
 
-/// Sentences on the factor with the largest effect, the other factors beyond the margin, the factors below the margin,
-/// the unresolved ones, and the effect of chance. `waiting` has the names of factors whose runs are not complete.
+/// Sentences on the factor (change of the case) with the largest effect, the other factors beyond the margin (largest
+/// accepted shift), the factors below the margin, the unresolved factors, and the effect of chance. `waiting` has the
+/// names of factors whose runs are not complete.
 pub fn sentences(factors: &[Factor], waiting: &[String], margin: f64) -> Vec<String> {
     let of = |answer: Answer| -> Vec<&Factor> {
         factors

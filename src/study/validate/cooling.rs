@@ -179,8 +179,9 @@ pub const ROUGH: ValidationCheck = ValidationCheck {
     measure: rough,
 };
 
-/// Reference values: number of collisions per sphere, then granular temperature T and rotational temperature T_r
-/// divided by the initial T [-], each with its standard error.
+/// Reference values for a cooling gas of rough spheres (Monte Carlo): number of collisions per sphere, then granular
+/// temperature T and rotational temperature T_r [-], each with its standard error. T and T_r are equal at the start,
+/// and are divided by this value.
 const MONTE_CARLO: [(f64, [(f64, f64); 2]); 2] =
     [(1.0, [(0.86357, 0.00093), (0.81901, 0.00040)]), (5.0, [(0.45934, 0.00064), (0.38795, 0.00048)])];
 

@@ -44,8 +44,8 @@ pub const HARD_GAS: ValidationCheck = ValidationCheck {
     measure: hard_gas,
 };
 
-/// Volume fraction [-], collision rate of a sphere in units of sqrt(T)/d [-], and compressibility factor [-] of a gas
-/// of hard spheres.
+/// Reference values for a gas of hard spheres: volume fraction [-], collision rate of a sphere in units of sqrt(T)/d
+/// [-] (granular temperature T, diameter d), and compressibility factor [-].
 const KOLAFA: [(f64, f64, f64); 4] =
     [(0.01, 0.138854, 1.041019), (0.1, 1.765845, 1.521647), (0.3, 10.101194, 3.983983), (0.45, 28.449080, 9.404114)];
 
@@ -147,8 +147,8 @@ struct Heights {
     samples: f64,
     height: f64,
     square: f64,
-    /// Number of spheres [-] and sum of their squared velocities along y [m²/s²], first below the height T/g, then
-    /// above it.
+    /// Number of spheres [-] and sum of their squared velocities along y [m²/s²], first below the height T/g (granular
+    /// temperature T, gravity g), then above it.
     halves: [[f64; 2]; 2],
     /// [m²/s²] sum of the squared speeds of all spheres.
     speeds: f64,
