@@ -44,9 +44,9 @@ fn carnahan_starling(phi: f64) -> f64 {
     (1.0 - 0.5 * phi) / (1.0 - phi).powi(3)
 }
 
-/// Measured collision rate of a particle in a gas at equilibrium, divided by the rate `rate` of kinetic theory, minus
-/// 1. Each particle collides ten times before the measurement. The measurement lasts until there are about
-/// `collisions` collisions of all particles. Windows (pieces of the run) are `window` mean free times long.
+/// Measured collision rate of a particle in a gas at equilibrium, divided by the rate `rate` of kinetic theory, minus 1.
+/// Each particle collides ten times before the measurement. The measurement lasts until there are about `collisions`
+/// collisions of all particles. A window (piece of the run) is `window` mean free times long.
 fn excess(
     scene: &Scene,
     particles: Particles,

@@ -6,6 +6,7 @@ use super::ranks::{Message, Ranks};
 use super::signals::Signals;
 use super::threads::ThreadBudget;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread::scope;
@@ -160,12 +161,13 @@ fn pools(share: ThreadBudget, count: usize) -> Result<Vec<ThreadPool>, StudyErro
 }
 
 /// Starts a worker thread for each pool. The threads do the runs whose indices are sent through the returned sender,
-/// and end when the sender is dropped. The returned receiver gets the index and the result of each run.
+/// and end when the sender is dropped. The returned receiver gets the index and the result of each run, or `None` if a
+/// run has panicked.
 fn crew<'scope, 'env, A: Send + 'scope>(
     scope: &'scope std::thread::Scope<'scope, 'env>,
     pools: &'env [ThreadPool],
     run: impl Fn(usize) -> A + Sync + Send + Clone + 'scope,
-) -> (Sender<usize>, Receiver<(usize, A)>) {
+) -> (Sender<usize>, Receiver<Option<(usize, A)>>) {
     let (orders, indices) = channel();
     let (answered, answers) = channel();
     let indices = std::sync::Arc::new(Mutex::new(indices));
@@ -175,8 +177,13 @@ fn crew<'scope, 'env, A: Send + 'scope>(
             loop {
                 let index = indices.lock().unwrap_or_else(PoisonError::into_inner).recv();
                 let Ok(index) = index else { break };
+                // the other threads wait for further runs, so the receiver would not notice that this thread has ended
+                let answer = catch_unwind(AssertUnwindSafe(|| pool.install(|| run(index)))).unwrap_or_else(|panic| {
+                    let _ = answered.send(None);
+                    resume_unwind(panic)
+                });
                 // sending fails if the receiver is gone; the results of further runs would then be lost
-                if answered.send((index, pool.install(|| run(index)))).is_err() {
+                if answered.send(Some((index, answer))).is_err() {
                     break;
                 }
             }
@@ -196,10 +203,10 @@ enum Heard<A> {
 }
 
 /// Waits for the end of a run in this process, or for a message from another process. With several processes, the
-/// function waits at most [`REPORT_INTERVAL`]. `None` if all worker threads have ended.
-fn wait<A>(answers: &Receiver<(usize, A)>, ranks: &Ranks) -> Option<Heard<A>> {
+/// function waits at most [`REPORT_INTERVAL`]. `None` if a run has panicked.
+fn wait<A>(answers: &Receiver<Option<(usize, A)>>, ranks: &Ranks) -> Option<Heard<A>> {
     if ranks.count() == 1 {
-        return answers.recv().ok().map(|(index, answer)| Heard::Here(index, answer));
+        return answers.recv().ok().flatten().map(|(index, answer)| Heard::Here(index, answer));
     }
     let began = Instant::now();
     while began.elapsed() < REPORT_INTERVAL {
@@ -207,7 +214,7 @@ fn wait<A>(answers: &Receiver<(usize, A)>, ranks: &Ranks) -> Option<Heard<A>> {
             return Some(Heard::There(message));
         }
         match answers.recv_timeout(POLL_INTERVAL) {
-            Ok((index, answer)) => return Some(Heard::Here(index, answer)),
+            Ok(ended) => return ended.map(|(index, answer)| Heard::Here(index, answer)),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return None,
         }

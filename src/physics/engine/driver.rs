@@ -179,8 +179,9 @@ pub struct Driver<S: Solver> {
     pub(super) islands: Islands<Lasting<S>>,
     pub(super) lasting: Vec<Lasting<S>>,
     begun: bool,
-    /// True if the classical algorithm (all particles at once) moved the particles at the end of the last time window.
-    everyone_last: bool,
+    /// True if islands (groups of particles that may meet) moved all particles in the last time window. False if the
+    /// classical algorithm (all particles at once) did so at its end, and before the first window of this process.
+    is_by_islands: bool,
     log: Log,
 }
 
@@ -192,7 +193,7 @@ impl<S: DistributedSolver> Driver<S> {
             islands: Islands::default(),
             lasting: Vec::new(),
             begun: false,
-            everyone_last: false,
+            is_by_islands: false,
             log: Log::default(),
         }
     }
@@ -267,14 +268,14 @@ impl<S: DistributedSolver> Engine for Driver<S> {
             self.judge(&choice, scene, before, &done);
         }
         let result = done.and_then(|done| {
-            self.everyone_last = done < window.duration;
+            self.is_by_islands = done >= window.duration;
             let rest = Window { start: window.start + done, duration: window.duration - done };
             let scene = scene.at(rest.start);
             let mut work = work.in_scene(&scene);
             if scene.domain.shear.is_some() {
                 work.wrap();
             }
-            if self.everyone_last { self.by_all(&mut work, rest) } else { Ok(()) }
+            if self.is_by_islands { Ok(()) } else { self.by_all(&mut work, rest) }
         });
         self.lasting = lasting;
         record.absorb(&mut log);
@@ -307,7 +308,7 @@ impl<S: DistributedSolver> Engine for Driver<S> {
     }
 
     fn in_islands(&self) -> Option<&[u32]> {
-        (!self.everyone_last).then(|| self.islands.members())
+        self.is_by_islands.then(|| self.islands.members())
     }
 
     fn use_clock(&mut self, clock: Clock) {

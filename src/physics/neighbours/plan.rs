@@ -4,7 +4,6 @@
 use super::along_walls;
 use super::levels::{SizesOfAll, range};
 use crate::communicator::Communicator;
-use crate::domain::Domain;
 use crate::exact;
 use crate::particles::Particles;
 use crate::scene::Scene;
@@ -65,7 +64,7 @@ impl ListSettings {
         // the mean flow of a sheared box moves two particles, some diameters apart, towards each other
         let strain = scene.domain.strain_rate() * 2.0 * sizes.1;
         let speed = largest_speed + fall.norm() * between_uses + strain + scene.wall_speed();
-        let skin = cheapest_skin(sizes, &scene.domain, speed * between_uses);
+        let skin = cheapest_skin(sizes, scene, speed * between_uses);
         Self { frame, largest_speed, skin, uses: skin / (2.0 * speed * between_uses), of_all: None }
     }
 }
@@ -76,11 +75,11 @@ impl ListSettings {
 /// There are `count` particles with the mean radius `mean_radius` [m]. `travel` [m] is the distance that particles may
 /// move relative to the frame between two uses of the list. Costs are counted per particle and use, in units of the
 /// test of one pair. The costs were measured once and are constants, so that results do not depend on the machine.
-fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f64) -> f64 {
+fn cheapest_skin((count, mean_radius): (usize, f64), scene: &Scene, travel: f64) -> f64 {
     /// [-] cost of building a list, per particle, over the cost of testing one pair (docs/design/neighbours.md,
     /// "Skin").
     const BUILD: f64 = 60.0;
-    let count = count.max(1) as f64;
+    let (domain, count) = (&scene.domain, count.max(1) as f64);
     let diameter = 2.0 * mean_radius;
     let density = count / domain.volume();
     let pairs =
@@ -98,7 +97,11 @@ fn cheapest_skin((count, mean_radius): (usize, f64), domain: &Domain, travel: f6
     // Positions are wrapped when the list is built. If two particles then move apart by more than half a period, their
     // coordinates may differ by more than 1.5 periods, and `separation` no longer finds the nearest image.
     let periods = (0..3).filter(|axis| domain.periodic[*axis]).map(|axis| domain.size[axis]);
-    let longest = periods.fold(f64::INFINITY, f64::min) * 0.5;
+    let mut longest = periods.fold(f64::INFINITY, f64::min) * 0.5;
+    if domain.shear.is_some() {
+        // otherwise a particle could be listed twice with another one, within the box and across the sheared sides
+        longest = longest.min(0.5 * domain.size.y - scene.largest_diameter());
+    }
     let skin = best.1.min(longest).max(2.0 * travel);
     // with a skin of zero, the list of spheres at rest would be rebuilt at every use. The last factor allows for
     // rounding of the distances moved.

@@ -71,12 +71,8 @@ impl Flows {
         let named = outlets.chain(scene.inlets.iter().map(|inlet| (&inlet.name, true)));
         let of = |(k, (name, is_inlet)): (usize, (&String, bool))| {
             let (samples, waiting) = (&self.samples[k], self.waiting[k]);
-            let rate = |of: fn(&FlowTotals) -> f64| {
-                let used: Vec<&FlowSample> = samples.iter().filter(|sample| sample.time >= from).collect();
-                let each =
-                    used.windows(2).map(|two| (of(&two[1].totals) - of(&two[0].totals)) / (two[1].time - two[0].time));
-                estimate(&each.collect::<Vec<f64>>())
-            };
+            let used: Vec<&FlowSample> = samples.iter().filter(|sample| sample.time >= from).collect();
+            let rate = |of: fn(&FlowTotals) -> f64| self.rate(&used, of);
             FlowAverages {
                 name: name.clone(),
                 is_inlet,
@@ -88,6 +84,18 @@ impl Flows {
             }
         };
         named.enumerate().map(of).collect()
+    }
+
+    /// Rate of the quantity `of` per second from the first to the last of the samples `used`. The error is that of the
+    /// rates between successive samples. The run may end shortly after the last regular sample; a rate over less than
+    /// half an interval scatters too much, so it is left out of the error. `None` with fewer than two samples.
+    fn rate(&self, used: &[&FlowSample], of: fn(&FlowTotals) -> f64) -> Option<Estimate> {
+        let over = |a: &FlowSample, b: &FlowSample| (of(&b.totals) - of(&a.totals)) / (b.time - a.time);
+        let [first, .., last] = used else { return None };
+        let regular = used.windows(2).filter(|two| two[1].time - two[0].time > 0.5 * self.interval);
+        let each: Vec<f64> = regular.map(|two| over(two[0], two[1])).collect();
+        let value = over(first, last);
+        Some(estimate(&each).map_or(Estimate::without_error(value), |regular| Estimate { value, ..regular }))
     }
 
     fn take(&mut self, simulation: &Simulation) {

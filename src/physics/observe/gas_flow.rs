@@ -27,8 +27,7 @@ pub struct GasFlow {
     pub bulk_velocity: Option<Estimate>,
     /// [m/s] friction velocity; negative if the gas flows backwards at the wall, `None` if its mean is not finite.
     pub friction_velocity: Option<Estimate>,
-    /// Momentum balance of the gas along z, from the start of the run to the last instant at which the gas was
-    /// measured.
+    /// Momentum balance of the gas along z, from the start to the end of the run.
     pub balance: GasBalance,
 }
 
@@ -111,6 +110,12 @@ impl Observer for GasFlows {
             friction_velocity: flow.friction_velocity(),
             nodes: present.nodes,
         });
+    }
+
+    fn end(&mut self, simulation: &Simulation) {
+        if let Some(flow) = simulation.loaded_flow() {
+            self.balance = flow.balance;
+        }
     }
 
     plain_data!();

@@ -220,7 +220,7 @@ fn separate(
     let mut bad = usize::MAX;
     let largest = particles.radius.iter().copied().fold(0.0, f64::max);
     let rounds = if fraction > relax::DENSE && !room.is_slab(largest) {
-        bad = relax::relax(particles, is_free, room);
+        bad = relax::relax(particles, is_free, room) + strays(particles, is_free, room).len();
         0
     } else {
         ROUNDS
@@ -356,14 +356,19 @@ fn displaced(particles: &Particles, overlaps: &[(u32, u32)], may_move: &dyn Fn(u
 /// Puts each free particle (`is_free` is true for its id) that was pushed out of the walls of its region at a new
 /// random position inside them.
 fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoom, random: &mut Xoshiro256PlusPlus) {
-    let is_stray = |particles: &Particles, place: usize| {
-        is_free[particles.id[place] as usize] && !room.holds(&particles.position[place])
-    };
-    let mut strays: Vec<usize> = (0..particles.len()).filter(|&place| is_stray(particles, place)).collect();
-    strays.sort_unstable_by_key(|&place| particles.id[place]);
-    for place in strays {
-        particles.position[place] = room.somewhere(particles.radius[place], random);
+    let mut strays = strays(particles, is_free, room);
+    strays.sort_unstable_by_key(|&index| particles.id[index]);
+    for index in strays {
+        particles.position[index] = room.somewhere(particles.radius[index], random);
     }
+}
+
+/// Indices of the free particles (`is_free` is true for the id) outside the walls of their region. The list is empty if
+/// the region has no walls.
+fn strays(particles: &Particles, is_free: &[bool], room: &FreeRoom) -> Vec<usize> {
+    let is_stray =
+        |index: &usize| is_free[particles.id[*index] as usize] && !room.holds(&particles.position[*index]);
+    (0..particles.len()).filter(is_stray).collect()
 }
 
 /// Moves overlapping particles apart along the line of their centres. The pairs are treated in turn, each at the latest

@@ -6,9 +6,8 @@ use crate::contact_law::{Bodies, ContactLaw, Spring};
 use crate::experiment::{Amount, Experiment, Population};
 use crate::neighbours::along_walls;
 use crate::record::Histogram;
-use crate::scene::{Kind, Meeting, Scene};
+use crate::scene::Scene;
 use nalgebra::Vector3;
-use rustc_hash::FxHashSet;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -174,7 +173,7 @@ pub struct ContactPrediction {
 
 /// Lists all possible kinds of contact of a scene. `counts` holds the number of particles of each species. `pair`
 /// returns the distribution of impact speeds for the indices of two species, and `at_wall` returns that for the index
-/// of a species at a wall. Walls with the same surface properties count as one kind of contact. A species with one
+/// of a species at a wall. Walls count as one kind of contact if they are equal in all of [`Bodies`]. A species with one
 /// particle has no contact with itself. A restitution that depends on the speed is taken at the mean speed of the
 /// impacts.
 pub fn contacts(
@@ -199,23 +198,15 @@ pub fn contacts(
                 speeds,
             });
         }
-        let mut meetings: FxHashSet<[u64; 4]> = FxHashSet::default();
+        let pairs = found.len();
         for wall in (0..scene.walls.len() as u32).filter(|_| there(p, 1)) {
-            let Meeting { surface, stiffness_ratio, at_mass, .. } = scene.meeting(p as u16, Kind::Wall(wall));
-            // -1 stands for an absent mass, since no mass is negative
             let speeds = at_wall(p);
-            let restitution = surface.restitution_at(speeds.mean());
-            let numbers = [restitution, surface.friction, stiffness_ratio, at_mass.unwrap_or(-1.0)];
-            if !meetings.insert(numbers.map(f64::to_bits)) {
+            let bodies = Bodies::beside(scene, p as u16, wall).at_speed(speeds.mean());
+            if found[pairs..].iter().any(|known: &ContactKind| known.bodies == bodies) {
                 continue;
             }
-            found.push(ContactKind {
-                name: format!("{} at a wall", one.name),
-                wall: true,
-                bodies: Bodies::beside(scene, p as u16, wall).at_speed(speeds.mean()),
-                diameter: one.diameter,
-                speeds,
-            });
+            let name = format!("{} at a wall", one.name);
+            found.push(ContactKind { name, wall: true, bodies, diameter: one.diameter, speeds });
         }
     }
     found

@@ -275,11 +275,15 @@ fn stacked(scene: &Scene, particles: &Particles, up: &Vector3<f64>, x: &Vector3<
 
 impl Rest {
     /// Number of bounces, within `duration` [s], of the sphere that falls farthest. The flight after bounce k lasts 2
-    /// e^k times as long as a fall without drag to the speed of the first impact, with the restitution e.
+    /// e^k times as long as a fall without drag to the speed of the first impact, with the restitution e. If no impact
+    /// loses energy, e is 1.
     pub fn bounces(&self, duration: f64) -> f64 {
         let (e, flight) = (self.restitution, self.speed / self.gravity);
         if flight <= 0.0 || duration <= self.fall {
             return 0.0;
+        }
+        if self.time.is_infinite() {
+            return 1.0 + (0.5 * (duration - self.fall) / flight).floor();
         }
         let left = 1.0 - (duration - self.fall) / flight * (1.0 - e) / (2.0 * e);
         // after the end of the series, the bounces are counted whose speed is above a millionth of the first speed

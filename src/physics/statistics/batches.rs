@@ -411,7 +411,8 @@ fn own_correlations(run: &Batches, deviations: &DMatrix<f64>) -> Vec<(f64, f64)>
         // the measured value of a correlation ρ is too low by (1 + 3 ρ)/count, because the mean is computed from the
         // same blocks (Marriott and Pope 1954)
         let raw = run.neighbours(deviations, component);
-        let rho = ((raw + 1.0 / count) / (1.0 - 3.0 / count)).min(LARGEST_CORRELATION);
+        // the corrected value of a few blocks may lie outside of -1 to 1
+        let rho = ((raw + 1.0 / count) / (1.0 - 3.0 / count)).clamp(-LARGEST_CORRELATION, LARGEST_CORRELATION);
         (rho, (1.0 - rho * rho) / count)
     };
     (0..run.values.len()).map(one).collect()
@@ -444,6 +445,20 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
     use rand_xoshiro::Xoshiro256PlusPlus;
+
+    #[test]
+    fn values_that_alternate_give_a_finite_error() {
+        for count in [8, 20, 39] {
+            let alternating: Vec<f64> = (0..count).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
+            let one = Batches::of_series(&alternating, 1.0, 0.0).unwrap();
+            let prior = Prior::of(&measured(&one, &one));
+            let contrast = Contrast::new(&one, &one, Correlation::Each(prior)).unwrap();
+            // as for independent values, since no error is made smaller by a negative correlation
+            let independent = (2.0 / count as f64).sqrt();
+            assert!((contrast.error(0) / independent - 1.0).abs() < 0.1, "{count}: {}", contrast.error(0));
+            assert!(contrast.freedom_of(0).is_finite());
+        }
+    }
 
     #[test]
     fn correlations_of_short_series_are_right_on_average() {

@@ -186,11 +186,12 @@ impl Collision {
         let effective_mass = weights.effective();
         let of_kinds = scene.surface(this.kinds.0, this.kinds.1).at_speed(this.approach());
         let mut surface = of_kinds;
-        if this.elastic {
+        let thermal = this.thermal_rebound(particles, scene);
+        // the rebound from a thermal wall does not depend on the restitution
+        if this.elastic && thermal.is_none() {
             let e = std::mem::replace(&mut surface.restitution, 1.0);
             log.ledger.contact_time_kept += 0.5 * effective_mass * this.approach().powi(2) * (1.0 - e * e);
         }
-        let thermal = this.thermal_rebound(particles, scene);
         let rotation = scene.rotation.as_ref().filter(|_| thermal.is_none());
         let rough = rotation.zip(particles.exclusive()).map(|(rotation, particles)| {
             let normal_impulse = (1.0 + surface.restitution) * effective_mass * this.approach();
