@@ -366,8 +366,7 @@ fn draw_strays_again(particles: &mut Particles, is_free: &[bool], room: &FreeRoo
 /// Indices of the free particles (`is_free` is true for the id) outside the walls of their region. The list is empty if
 /// the region has no walls.
 fn strays(particles: &Particles, is_free: &[bool], room: &FreeRoom) -> Vec<usize> {
-    let is_stray =
-        |index: &usize| is_free[particles.id[*index] as usize] && !room.holds(&particles.position[*index]);
+    let is_stray = |index: &usize| is_free[particles.id[*index] as usize] && !room.holds(&particles.position[*index]);
     (0..particles.len()).filter(is_stray).collect()
 }
 
