@@ -78,6 +78,7 @@ mod paper; // Table 1 of the paper and its audit, recomputed (oracle H)
 mod parts; // starts and runs in which each process has a part from the beginning
 mod pieces; // trajectories in pieces, written by threads in place of processes
 mod plan; // predictions against short runs, recommendations, the command `plan`
+mod plan_contacts; // kinds of contact in a plan: walls of unequal elasticity, elastic bounces
 mod player; // recordings of particles: same bits, bounded, complete in the page
 mod restitution; // restitution by speed: every model, every soft law, gases, bits, messages
 mod resume; // killed or stopped runs continue with the same bits; damaged checkpoints; full disks

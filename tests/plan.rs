@@ -7,7 +7,6 @@ use diptych::outcome::Outcome;
 use diptych::placement::initial_state;
 use diptych::predict::integrator::{Scheme, realised_restitution, unit_spring};
 use diptych::predict::{EngineChoice, Obstacles, recommend};
-use diptych::scene::Elasticity;
 use diptych::study::{PlannedExperiment, execute, plan_of};
 use serde_json::Value;
 use std::path::Path;
@@ -482,36 +481,4 @@ fn the_spring_that_limits_the_time_step_is_named() {
         "{rolling:?} {contact}"
     );
     assert!(first.starts_with("rolling spring"), "{first}");
-}
-
-/// Two walls that differ only in their elasticity are two kinds of contact by Hertz's law, with different contact times.
-#[test]
-fn walls_of_unequal_elasticity_are_planned_apart() {
-    let box_of = |set: &str| {
-        let mut hertz = case("hertz", &[]);
-        let side = |point: f64, normal: f64| plane([0.0, point, 0.0], [0.0, normal, 0.0], surface(0.9, 0.0));
-        hertz.scene.walls = vec![side(0.0, 1.0), side(4e-3, -1.0)];
-        hertz.scene.walls[1].elasticity =
-            (set == "steel").then_some(Elasticity { youngs_modulus: 2e11, poissons_ratio: 0.3 });
-        let kinds = planned(&hertz).plan.contacts;
-        kinds.iter().filter(|kind| kind.contact.wall).map(|kind| kind.contact_time).collect::<Vec<f64>>()
-    };
-    assert_eq!(box_of("alike").len(), 1);
-    let [soft, stiff] = box_of("steel")[..] else { panic!("one kind of wall") };
-    // the effective modulus of polystyrene against steel is twice that against polystyrene, to 2 %, and Hertz's contact
-    // time is proportional to the power -2/5 of the modulus
-    assert!((stiff / soft / 2.0_f64.powf(-0.4) - 1.0).abs() < 0.02, "{stiff} {soft}");
-}
-
-/// An elastic sphere bounces on during the whole run, and each of its impacts has an error.
-#[test]
-fn elastic_spheres_are_planned_to_bounce_on() {
-    let bounces = |restitution: f64| {
-        let bouncing = case("bouncing-sphere", &[&format!("walls[0].restitution={restitution}")]);
-        let rest = planned(&bouncing).plan.rest.unwrap();
-        (rest.bounces(rest.fall + 20.5 * rest.speed / rest.gravity), rest.time.is_finite())
-    };
-    assert_eq!(bounces(1.0), (11.0, false));
-    let (many, ends) = bounces(0.999_999);
-    assert!(ends && (many - 11.0).abs() < 1.5, "{many}");
 }

@@ -46,7 +46,7 @@ impl NeighbourList {
             scene.domain.for_each_across(&position, search_radius, |image| {
                 packed.for_each_beside((image, reach), levels, region, |others| {
                     let pairs = others.iter().map(|&j| Pair { i: i as u32, j });
-                    // in small boxes two particles may also be near within the box, as another part of the list knows
+                    // the search within the box finds pairs that are nearer there than across the sides
                     let height = |j: u32| particles.position[j as usize].y;
                     let is_across = |pair: &Pair| (position.y - height(pair.j)).abs() > 0.5 * scene.domain.size.y;
                     let is_near = |pair: &Pair| pair.is_within(pair.reach(particles) + skin, particles, scene);
