@@ -282,7 +282,7 @@ impl Rest {
         if flight <= 0.0 || duration <= self.fall {
             return 0.0;
         }
-        if self.time.is_infinite() {
+        if e == 0.0 && self.time.is_infinite() {
             return 1.0 + (0.5 * (duration - self.fall) / flight).floor();
         }
         let left = 1.0 - (duration - self.fall) / flight * (1.0 - e) / (2.0 * e);

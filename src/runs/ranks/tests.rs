@@ -5,6 +5,7 @@ use super::*;
 use crate::runs::run_list::{RunList, distribute, help};
 use crate::runs::signals::Signals;
 use crate::runs::threads::ThreadBudget;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Barrier, Mutex};
@@ -107,13 +108,21 @@ struct Squares {
     unknown: Option<usize>,
     /// Index of the run that is stopped before its end; `None` if all runs end.
     stopped_at: Option<usize>,
+    /// Index of the run that panics; `None` if no run does.
+    panics_at: Option<usize>,
     /// Number of runs that this process has begun, for itself or for another process.
     left: AtomicUsize,
 }
 
 impl Squares {
     fn new() -> Self {
-        Self { by_others: AtomicUsize::new(0), unknown: None, stopped_at: None, left: AtomicUsize::new(0) }
+        Self {
+            by_others: AtomicUsize::new(0),
+            unknown: None,
+            stopped_at: None,
+            panics_at: None,
+            left: AtomicUsize::new(0),
+        }
     }
 }
 
@@ -128,6 +137,7 @@ impl RunList for Squares {
 
     fn run(&self, index: usize) -> Result<Option<usize>, StudyError> {
         std::thread::sleep(Duration::from_millis(2));
+        assert_ne!(self.panics_at, Some(index), "the panic of this test");
         self.left.fetch_add(1, Ordering::Relaxed);
         Ok((self.stopped_at != Some(index)).then_some(index * index))
     }
@@ -203,6 +213,18 @@ fn a_helper_that_fails_ends_all_and_one_that_is_stopped_stops_all() {
     };
     assert_eq!(one(Some(3), None), [1, 1]);
     assert_eq!(one(None, Some(5)), [130, 130]);
+}
+
+/// A run panics while another thread waits for further runs. The list must end with the panic, and not wait.
+#[test]
+fn a_run_that_panics_ends_the_list() {
+    let (said, heard) = channel();
+    std::thread::spawn(move || {
+        let squares = Squares { panics_at: Some(0), ..Squares::new() };
+        let all = || distribute(&squares, &[0, 1, 2], SHARE, &Ranks::alone(), |_, square| square.map(drop));
+        let _ = said.send(catch_unwind(AssertUnwindSafe(all)).is_err());
+    });
+    assert_eq!(heard.recv_timeout(Duration::from_secs(20)), Ok(true));
 }
 
 #[test]
