@@ -40,6 +40,12 @@ fn two_kinds(model: Model) -> Experiment {
     case(include_str!("../cases/mixtures/binary-channel.toml"), model, &small).unwrap()
 }
 
+/// Experiment of spheres that rotate, with random spins at the start.
+fn rough(model: Model) -> Experiment {
+    let small = ["domain.size=[\"8 mm\", \"8 mm\", \"8 mm\"]"];
+    case(include_str!("../cases/rotation/rough-gas.toml"), model, &small).unwrap()
+}
+
 /// Experiment of a gas so dense that half of the particles overlap another particle in their first random positions.
 fn crowded() -> Experiment {
     let edge = edge(3000, small().diameter, 0.19);
@@ -53,7 +59,12 @@ fn crowded() -> Experiment {
 
 #[test]
 fn parts_of_a_start_are_the_start_that_one_process_makes() {
-    let starts = [("pipe", pipe(Model::Hard)), ("two kinds", two_kinds(Model::Soft)), ("crowded", crowded())];
+    let starts = [
+        ("pipe", pipe(Model::Hard)),
+        ("two kinds", two_kinds(Model::Soft)),
+        ("rough", rough(Model::Soft)),
+        ("crowded", crowded()),
+    ];
     for (name, experiment) in &starts {
         assert!(comes_in_parts(experiment), "{name}");
         let whole = initial_state(experiment).unwrap();
@@ -128,8 +139,12 @@ fn run_in_parts(experiment: &Experiment, size: usize) -> (u64, String) {
     over(size, run).swap_remove(0).unwrap()
 }
 
-fn moved(mut simulation: Simulation) -> (u64, String) {
-    simulation.run_while(12, 2e-4, &mut |_, _| true).unwrap();
+fn moved(simulation: Simulation) -> (u64, String) {
+    moved_by(simulation, 12, 2e-4)
+}
+
+fn moved_by(mut simulation: Simulation, windows: u64, window: f64) -> (u64, String) {
+    simulation.run_while(windows, window, &mut |_, _| true).unwrap();
     let hash = simulation.fingerprint();
     let known = (simulation.count(), simulation.total_mass(), simulation.mean_velocity(), simulation.mean_radius());
     simulation.gather(1);
@@ -145,6 +160,8 @@ fn runs_that_begin_in_parts_give_the_bits_of_one_process() {
     stepped.hard.stepping = HardStepping::Steps { theta: 0.2 };
     let mut uniform = pipe(Model::Soft);
     uniform.soft.stepping = SoftStepping::Uniform;
+    let mut rough_uniform = rough(Model::Soft);
+    rough_uniform.soft.stepping = SoftStepping::Uniform;
     let runs = [
         ("pipe, soft", pipe(Model::Soft)),
         ("two kinds, hard", two_kinds(Model::Hard)),
@@ -152,12 +169,35 @@ fn runs_that_begin_in_parts_give_the_bits_of_one_process() {
         ("crowded, hard", crowded()),
         ("stepped", stepped),
         ("all at once", uniform),
+        ("rough, soft", rough(Model::Soft)),
+        ("rough, hybrid", rough(Model::Hybrid)),
+        ("rough, all at once", rough_uniform),
     ];
     for (name, experiment) in &runs {
         let alone = moved(Simulation::new(experiment, initial_state(experiment).unwrap()));
         for size in [2, 3, 5] {
             assert_eq!(run_in_parts(experiment, size), alone, "{name} on {size}");
         }
+    }
+}
+
+/// A column of ten spheres is moved by the lead process alone until islands are tried again. The contacts in progress
+/// are then all in the lead process; the other processes must take the same decisions as if they had them too.
+#[test]
+fn processes_decide_alike_while_one_process_has_all_contacts() {
+    let column = case(include_str!("../cases/column.toml"), Model::Hybrid, &[]).unwrap();
+    let start = || Simulation::new(&column, initial_state(&column).unwrap());
+    let alone = moved_by(start(), 20, 3e-4);
+    for size in [2, 3] {
+        let run = |communicator: Arc<dyn Communicator>| {
+            let simulation = start().shared(communicator.clone(), 0);
+            if communicator.is_lead() {
+                return Some(moved_by(simulation, 20, 3e-4));
+            }
+            simulation.follow(&mut |_, _, _| {});
+            None
+        };
+        assert_eq!(over(size, run).swap_remove(0).unwrap(), alone, "on {size}");
     }
 }
 

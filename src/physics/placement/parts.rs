@@ -110,6 +110,7 @@ fn part(experiment: &Experiment, communicator: &dyn Communicator) -> Result<Part
     let species = &room.scene.species;
     let radius = |kind: &u16| 0.5 * species[usize::from(*kind)].diameter;
     particles.radius = particles.species.iter().map(radius).collect();
+    experiment.scene.let_rotate(&mut particles);
     if bad[0] == 0 {
         return Ok(particles);
     }

@@ -102,9 +102,11 @@ impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     }
 
     /// Number of contacts in progress in all processes that share the run. `own` is the number of contacts among the
-    /// particles of this process.
+    /// particles of this process. All processes must call this function.
     pub fn held(&self, own: usize) -> usize {
-        let Some(domains) = self.cut_domains() else { return own };
+        let Some(domains) = &self.domains else { return own };
+        // before the particles are divided, the lead process (process 0) has all contacts
+        let own = if domains.is_cut || domains.is_lead() { own } else { 0 };
         // a contact with a particle of another process is counted twice, once by each process
         let mut twice = [(2 * own + domains.abroad.len()) as i64];
         domains.count(&mut twice);
