@@ -3,6 +3,7 @@
 
 use crate::support::*;
 use diptych::Ledger;
+use diptych::Vector3;
 use diptych::checkpoint::{RunIdentity, Store, StoredRun};
 use diptych::communicator::Communicator;
 use diptych::contact_law::ContactLaw;
@@ -10,8 +11,10 @@ use diptych::experiment::{Amount, Experiment, HardStepping, Model, SoftStepping,
 use diptych::observe::RunLoop;
 use diptych::particles::{Particles, fingerprint_of, for_each_slice};
 use diptych::placement::{Start, comes_in_parts, initial_state};
+use diptych::scene::Inlet;
 use diptych::schedule::Schedule;
 use diptych::simulation::{Simulation, Snapshot};
+use diptych::walls::{Cavity, Hollow};
 use std::sync::Arc;
 
 /// Results of `work` in each of `size` processes.
@@ -55,6 +58,25 @@ fn crowded() -> Experiment {
         plane([0.0, edge, 0.0], [0.0, -1.0, 0.0], surface(0.9, 0.0)),
     ];
     experiment(scene, 3000, [0.0, 0.0, 0.1], 0.5, Model::Hard, 5)
+}
+
+/// Experiment of the dense gas, with an inlet in its middle. The ids of new particles follow those of all parts.
+fn fed() -> Experiment {
+    let mut fed = crowded();
+    let (middle, half) = (0.5 * fed.scene.domain.size, Vector3::repeat(2.0 * small().diameter));
+    fed.scene.inlets = vec![Inlet {
+        name: "feed".into(),
+        species: 0,
+        region: Hollow::new(Cavity::Box { center: middle, half_extents: half }),
+        rate: 2e4,
+        start: 0.0,
+        end: f64::INFINITY,
+        velocity_mean: Vector3::zeros(),
+        velocity_fluctuation: Vector3::repeat(0.5),
+        spin_mean: Vector3::zeros(),
+        spin_fluctuation: 0.0,
+    }];
+    fed
 }
 
 #[test]
@@ -167,6 +189,7 @@ fn runs_that_begin_in_parts_give_the_bits_of_one_process() {
         ("two kinds, hard", two_kinds(Model::Hard)),
         ("two kinds, hybrid", two_kinds(Model::Hybrid)),
         ("crowded, hard", crowded()),
+        ("inlet", fed()),
         ("stepped", stepped),
         ("all at once", uniform),
         ("rough, soft", rough(Model::Soft)),

@@ -119,6 +119,9 @@ impl Simulation {
     /// its own part of the particles.
     pub fn shared_in_parts(mut self, communicator: Arc<dyn Communicator>, observers: usize) -> Self {
         let sample = Sample::part(&self.particles, Some(&*communicator));
+        if let Some(flow) = &mut self.through_flow {
+            flow.agree(&*communicator);
+        }
         if let Some(engine) = self.engine.distributed_mut() {
             engine.share(communicator.clone(), &sample, &self.scene);
         }

@@ -3,6 +3,7 @@
 
 use super::Simulation;
 use super::totals::SimulationTotals;
+use crate::communicator::Communicator;
 use crate::exact::{ExactSum, none, values};
 use crate::particles::{Particles, Sample};
 use crate::record::Ledger;
@@ -132,6 +133,16 @@ impl ThroughFlow {
     /// number.
     pub(super) fn next_id(&self) -> Option<u32> {
         self.next_id
+    }
+
+    /// Takes the largest of the next ids of all processes that share the run, each of which has a part of the particles.
+    /// All processes must call this function.
+    pub(super) fn agree(&mut self, communicator: &dyn Communicator) {
+        /// Larger than any id; stands for the case that all ids are used.
+        const USED_UP: f64 = 4_294_967_296.0; // 2³²
+        let mut next = [self.next_id.map_or(USED_UP, f64::from)];
+        communicator.largest(&mut next);
+        self.next_id = (next[0] < USED_UP).then_some(next[0] as u32);
     }
 
     /// Marks the smallest free id as taken, so that the next particle gets the id after it.
