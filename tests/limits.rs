@@ -3,13 +3,15 @@
 use crate::support::*;
 use diptych::case::Case;
 use diptych::contact_law::ContactLaw;
+use diptych::engine::dsmc::Dsmc;
 use diptych::engine::hard::Hard;
 use diptych::engine::{Engine, Failure};
-use diptych::experiment::{Experiment, Integrator, Model, SoftStepping, Spheres, TimeStep};
+use diptych::experiment::{DsmcSettings, Experiment, Integrator, Model, SoftStepping, Spheres, TimeStep};
 use diptych::particles::Particles;
 use diptych::placement::initial_state;
 use diptych::scene::Scene;
 use diptych::simulation::Simulation;
+use diptych::walls::{Obstacle, Wall, WallGeometry};
 use nalgebra::Vector3;
 use std::path::Path;
 use std::sync::Arc;
@@ -380,6 +382,26 @@ fn a_speed_that_cannot_be_squared_is_that_of_a_particle() {
         match try_run(&scene, start.clone(), engine, 1e-3, 1).1 {
             Err(Failure::NotANumber { particle, .. }) => assert_eq!(particle, 1),
             other => panic!("{other:?}"),
+        }
+    }
+}
+
+/// A velocity that is infinite, or not a number, stops a gas that collides by chance, also if the particle is alone in
+/// its cell. In a periodic box with a body, the flight of such a particle had no end.
+#[test]
+fn a_flight_by_chance_stops_at_a_velocity_without_a_value() {
+    let mut scene = empty([1.0; 3], [true; 3], small(), surface(1.0, 0.0));
+    for body in [None, Some(Obstacle::sphere(Vector3::repeat(0.5), 0.1))] {
+        let wall = body.map(|ball| Wall::new(WallGeometry::Obstacle(ball), surface(1.0, 0.0)));
+        scene.walls = wall.into_iter().collect();
+        for speed in [f64::INFINITY, f64::NAN, 1e200] {
+            let start = placed(&scene, &[([0.2; 3], [0.0; 3]), ([0.8; 3], [0.0; 3])]);
+            let settings = DsmcSettings { cells: Some([2, 1, 1]), ..DsmcSettings::default() };
+            let mut simulation = Simulation::with_engine(scene.clone(), start, Box::new(Dsmc::new(settings, 1)));
+            simulation.run(1, 1e-3).unwrap();
+            simulation.particles.velocity[1].x = speed;
+            let result = simulation.run(1, 1e-3);
+            assert!(matches!(result, Err(Failure::NotANumber { particle: 1, .. })), "{speed}: {result:?}");
         }
     }
 }

@@ -2,6 +2,7 @@
 //! the same bits as an uninterrupted run.
 
 use crate::support::{edge, empty, experiment, plane, small, surface};
+use diptych::clock::Clock;
 use diptych::contact_law::{ContactLaw, Hertz};
 use diptych::drag::{Drag, SchillerNaumann};
 use diptych::experiment::{
@@ -21,7 +22,7 @@ use diptych::schedule::Schedule;
 use diptych::simulation::{Simulation, Snapshot};
 use diptych::statistics::Accumulator;
 use diptych::walls::{Cavity, Hollow};
-use diptych::{Stored, Vector3};
+use diptych::{Dsmc, Engine, Record, Stored, Vector3, Window};
 
 /// [s] length of a window (piece of a run): about 130 soft steps.
 const WINDOW: f64 = 5e-5;
@@ -268,7 +269,7 @@ fn observers(experiment: &Experiment, schedule: &Schedule) -> Vec<Box<dyn Observ
 /// Number of the storage layout, and checksum of the stored data of a run before its first window, with every model and
 /// observer. Only the types define the meaning of these bytes. If the types change without the number, older files are
 /// misread.
-const LAYOUT: (&str, u32) = ("44", 3_726_779_765);
+const LAYOUT: (&str, u32) = ("45", 3_784_286_569);
 
 #[test]
 fn types_that_are_stored_change_with_the_number_of_the_layout_only() {
@@ -289,6 +290,22 @@ fn types_that_are_stored_change_with_the_number_of_the_layout_only() {
         LAYOUT,
         "raise LAYOUT in src/checkpoint/envelope.rs, and write both numbers here"
     );
+}
+
+/// Wall-clock times of collisions by chance count from the start of the run, also after it was stored and restored.
+#[test]
+fn times_of_collisions_by_chance_are_stored() {
+    let experiment = crowd(200, 0.15, 1.0);
+    let mut particles = initial_state(&experiment).unwrap();
+    let mut engine = Dsmc::new(experiment.dsmc, 1);
+    engine.use_clock(Clock::wall());
+    let window = Window { start: 0.0, duration: WINDOW };
+    engine.advance(&mut particles, &experiment.scene, window, &mut Record::default()).unwrap();
+    let mut restored = Dsmc::new(experiment.dsmc, 1);
+    restored.restore(&engine.stored().unwrap()).unwrap();
+    let [(_, before), (_, after)] = [engine.work_done(), restored.work_done()];
+    assert!(!before.flight.is_zero() && !before.neighbours.is_zero(), "{before:?}");
+    assert_eq!([after.flight, after.neighbours], [before.flight, before.neighbours]);
 }
 
 fn lent(observers: &mut [Box<dyn Observer>]) -> Vec<&mut dyn Observer> {

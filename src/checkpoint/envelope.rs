@@ -10,7 +10,7 @@ const MAGIC: &[u8] = b"diptych checkpoint\n";
 /// Version of the layout of the data. This number must be raised whenever a stored type changes, because the file does
 /// not describe its types. It must also be raised if the arithmetic of a run changes, because a continued run must
 /// give the results of an uninterrupted one.
-const LAYOUT: u32 = 44;
+const LAYOUT: u32 = 45;
 
 /// Length of the checksum at the end of a file, in bytes.
 const CHECKSUM: usize = size_of::<u32>();

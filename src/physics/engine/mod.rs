@@ -81,8 +81,8 @@ pub trait Engine: Send {
     /// that engines have in common are timed. The rest of the computing time is spent on contacts and collisions.
     fn work_done(&self) -> (Counters, EngineTimes);
 
-    /// Energy [J] that is now stored in the springs of soft contacts. The default is 0, for engines whose contacts are
-    /// instantaneous.
+    /// Energy [J] that is now stored in the springs of soft contacts; contacts that attract may make it negative. The
+    /// default is 0, for engines whose contacts are instantaneous.
     fn elastic_energy(&self) -> f64 {
         0.0
     }

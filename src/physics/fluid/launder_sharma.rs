@@ -20,8 +20,11 @@ const RELAXATION: f64 = 0.7;
 pub(super) fn faces(cells: usize, reynolds_tau: f64) -> Vec<f64> {
     let first = 2.0 * FIRST_NODE / reynolds_tau * CELLS as f64 / cells as f64;
     let sum = |growth: f64| (growth.powi(cells as i32) - 1.0) / (growth - 1.0);
-    // bisection for the growth factor at which the widths add up to h; 2 is far above any factor in use
+    // bisection for the growth factor at which the widths add up to h; only about a dozen cells or fewer need above 2
     let (mut low, mut high) = (1.0 + 1e-9, 2.0);
+    while first * sum(high) < 1.0 {
+        high *= 2.0;
+    }
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
         if first * sum(middle) < 1.0 { low = middle } else { high = middle }
@@ -122,4 +125,28 @@ pub(super) fn renew_viscosity(channel: &mut HalfChannel, relaxation: f64) {
 pub(super) fn profile(channel: &HalfChannel) -> Vec<(f64, f64)> {
     let nodes = channel.y.iter().copied().zip(channel.u.iter().copied());
     [(0.0, 0.0)].into_iter().chain(nodes).chain([(channel.reynolds_tau, channel.centre_velocity())]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Checks that the cells of every grid grow by one factor up to the centre plane, also if they are so few that this
+    /// factor is above 2.
+    #[test]
+    fn cells_grow_by_one_factor() {
+        for cells in [2, 4, 6, 8, 12, 240] {
+            for reynolds_tau in [190.0, 2000.0, 20_000.0] {
+                let faces = faces(cells, reynolds_tau);
+                let widths: Vec<f64> = faces.windows(2).map(|pair| pair[1] - pair[0]).collect();
+                assert_eq!((widths.len(), faces[0], faces[cells]), (cells, 0.0, 1.0));
+                let first = 24.0 / (reynolds_tau * cells as f64);
+                assert!((widths[0] / first - 1.0).abs() < 1e-9, "{cells} {reynolds_tau}: {}", widths[0]);
+                let growth = widths[1] / widths[0];
+                for pair in widths.windows(2) {
+                    assert!((pair[1] / pair[0] / growth - 1.0).abs() < 1e-6, "{cells} {reynolds_tau}: {widths:?}");
+                }
+            }
+        }
+    }
 }

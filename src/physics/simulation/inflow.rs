@@ -84,7 +84,7 @@ impl Simulation {
             let due = self.scene.inlets[number].due(self.time).saturating_sub(flow.inlets[number].count());
             let placed = if due > 0 { self.insert(number, due, (flow, leaving), &mut fresh) } else { 0 };
             for index in fresh.len() - placed..fresh.len() {
-                entries.push(flow.inlets[number].add(&fresh, index, self.scene.gravity));
+                entries.push(flow.inlets[number].add(&fresh, index, &self.scene));
             }
             flow.inlets[number].set_waiting(due - placed as u64);
         }

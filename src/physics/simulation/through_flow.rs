@@ -28,9 +28,9 @@ pub struct FlowTotals {
     pub kinetic_energy: f64,
     /// [J] total rotational energy of the particles at the times when they came in or left.
     pub rotational_energy: f64,
-    /// [J] sum of the potential energies -m g·x of the particles at the times when they came in or left, with the mass
-    /// m, the acceleration g by gravity and the position x. This energy is not part of the energy balance, where the
-    /// work of gravity takes its place.
+    /// [J] sum of the potential energies -m g·x of the particles at the times when they came in or left. Here m is the
+    /// mass, g the acceleration by gravity, and x the position inside the box. This energy is not part of the energy
+    /// balance, where the work of gravity takes its place.
     pub potential_energy: f64,
     /// [m/s] sum of the speeds of the particles at the times when they came in or left.
     pub speed: f64,
@@ -81,13 +81,14 @@ impl OpeningFlow {
 
     /// Adds the particle at `index` to the sums. Returns the entry in the ledger (sums of energies and momenta) for a
     /// particle that comes into the scene. For a particle that leaves, the entry must get the opposite sign.
-    pub(super) fn add(&mut self, particles: &Particles, index: usize, gravity: Vector3<f64>) -> Ledger {
+    pub(super) fn add(&mut self, particles: &Particles, index: usize, scene: &Scene) -> Ledger {
         let (mass, velocity) = (particles.mass[index], particles.velocity[index]);
         let momentum = velocity * mass;
         let moment = particles.inertia.as_ref().map_or(0.0, |inertia| inertia[index]);
         let kinetic = 0.5 * mass * velocity.norm_squared();
         let rotational = 0.5 * moment * particles.spin_of(index).norm_squared();
-        let potential = -mass * gravity.dot(&particles.position[index]);
+        // the store may hold an image beyond a periodic side, by which gravity along that axis must not count
+        let potential = -mass * scene.gravity.dot(&scene.domain.wrap(&particles.position[index]));
         let [x, y, z] = momentum.into();
         let amounts = [mass, x, y, z, kinetic, rotational, potential, velocity.norm()];
         self.sums.iter_mut().zip(amounts).for_each(|(sum, amount)| sum.add(amount));
@@ -197,9 +198,8 @@ impl Simulation {
         leaving: &[(u32, usize)],
         (fresh, mut entries): (Particles, Vec<Ledger>),
     ) {
-        let gravity = self.scene.gravity;
         for &(index, outlet) in leaving {
-            entries.push(-flow.outlets[outlet].add(&self.particles, index as usize, gravity));
+            entries.push(-flow.outlets[outlet].add(&self.particles, index as usize, &self.scene));
         }
         let mut index_of = vec![None; self.particles.len()];
         let mut gone = leaving.iter().map(|(index, _)| *index).peekable();
@@ -213,5 +213,30 @@ impl Simulation {
         entries.push(Ledger { flow_energy: -cut, ..Ledger::default() });
         self.record.ledger.add(&entries.iter().map(Ledger::to_array).collect::<Vec<_>>());
         self.totals = SimulationTotals::of(&Sample::from(&self.particles));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Domain;
+    use crate::scene::{Species, Surface};
+
+    /// Checks the potential energy of a particle that leaves, in a box of 1 m with periodic sides. The store may hold
+    /// the particle at 1.25 m or at 0.25 m; both are the same place.
+    #[test]
+    fn potential_energy_is_that_inside_the_box() {
+        let mut scene = Scene::new(
+            Domain::new(Vector3::repeat(1.0), [true; 3]),
+            Surface::new(1.0, 0.0),
+            vec![Species::new("S", 0.01, 1000.0)],
+        );
+        scene.gravity = Vector3::new(0.0, -10.0, 0.0);
+        for height in [0.25, 1.25, -0.75] {
+            let (mut flow, mut particles) = (OpeningFlow::default(), Particles::default());
+            particles.push(Vector3::new(0.5, height, 0.5), Vector3::zeros(), 0.005, 2.0, 0);
+            flow.add(&particles, 0, &scene);
+            assert_eq!(flow.totals().potential_energy, 5.0, "{height}");
+        }
     }
 }

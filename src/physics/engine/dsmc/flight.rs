@@ -73,8 +73,8 @@ type FlownParticle = (u32, Motion, Option<Failure>);
 /// number of impacts.
 ///
 /// # Errors
-/// A particle has infinitely many impacts on a wall, because it comes to rest there or slides along the wall. All other
-/// particles are then at the end of the flight.
+/// A particle has infinitely many impacts on a wall, because it comes to rest there or slides along the wall. Or the
+/// square of its speed is not a finite number. All other particles are then at the end of the flight.
 pub fn fly(
     particles: &mut Particles,
     scene: &Scene,
@@ -115,7 +115,7 @@ pub fn fly(
 }
 
 /// Moves all particles that cannot touch a wall within `duration` [s] to the end of this time. Returns the indices of
-/// the other particles, which have not moved.
+/// the other particles, which have not moved. Particles whose squared speed is not finite are among them.
 fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, duration: f64) -> Vec<u32> {
     let fall = scene.gravity * duration;
     let sag = 0.125 * scene.gravity.norm() * duration * duration;
@@ -125,7 +125,7 @@ fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, dur
         let mut near = Vec::new();
         for (k, (x, v)) in positions.iter_mut().zip(velocities).enumerate() {
             let end = *x + (*v + 0.5 * fall) * duration;
-            if walls.may_be_touched(scene, [x, &end], radii[k] + sag) {
+            if !v.norm_squared().is_finite() || walls.may_be_touched(scene, [x, &end], radii[k] + sag) {
                 near.push((part * PART + k) as u32);
             } else {
                 // across a sheared side the velocity changes too
@@ -140,7 +140,7 @@ fn fly_freely(particles: &mut Particles, scene: &Scene, walls: &FlightWalls, dur
 
 /// Moves a particle through an interval of time, with all its impacts on walls. The particle is the only one in the
 /// particle store `one`. `found` is scratch memory for the numbers of near walls. Returns an error if the particle
-/// comes to rest on a wall.
+/// comes to rest on a wall, or if the square of its speed is not a finite number.
 fn fly_among_walls(
     one: &mut Particles,
     scene: &Scene,
@@ -152,6 +152,10 @@ fn fly_among_walls(
     loop {
         let left = time.duration - flown;
         let flight = Flight { position: one.position[0], velocity: one.velocity[0], gravity: scene.gravity };
+        // at an infinite speed the pieces of the flight would be endlessly many
+        if !flight.velocity.norm_squared().is_finite() {
+            return Err(Failure::NotANumber { time: time.window.start + time.start + flown, particle: one.id[0] });
+        }
         let rest = left.min(longest_piece(scene, &flight, left));
         let reach = one.radius[0] + (flight.velocity.norm() + 0.5 * scene.gravity.norm() * rest) * rest;
         walls.list(&flight.position, reach, found);

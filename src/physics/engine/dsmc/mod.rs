@@ -255,11 +255,12 @@ impl Engine for Dsmc {
     }
 
     fn stored(&self) -> Result<Stored, StoreError> {
-        Stored::of(&self.state)
+        Stored::of(&(&self.state, &self.times))
     }
 
     fn restore(&mut self, stored: &Stored) -> Result<(), StoreError> {
-        self.state = stored.read()?;
+        let (state, times): (DsmcState, EngineTimes) = stored.read()?;
+        (self.state, self.times) = (state, times);
         Ok(())
     }
 

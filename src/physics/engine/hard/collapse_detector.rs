@@ -136,7 +136,8 @@ impl Collapsed {
 /// collision is elastic if the particle collided less than the contact time t_c before. `None` if the particle does not
 /// rest, if the other body is no wall, or without t_c. A particle rests if gravity, or the acceleration of a moving
 /// wall, presses it to the wall, and if its speed of approach is very small. With this speed of approach, the particle
-/// would rise from the wall by an unresolvably small height.
+/// would rise from the wall by an unresolvably small height. No particle rests on a thermal wall, whose rebounds do not
+/// depend on the speed of approach.
 ///
 /// Without t_c the particle would have infinitely many collisions in finite time. In reality a contact of finite
 /// duration carries the weight during its contact time. Here the particle rebounds at a_n t_c/4, with a_n the
@@ -144,7 +145,7 @@ impl Collapsed {
 /// elastic. The particle rises by a_n t_c²/32. The weight would compress a spring with this contact time (k = m
 /// π²/t_c²) by a_n t_c²/π², about three times as far.
 pub fn rests(collision: &Collision, scene: &Scene, contact_time: Option<f64>) -> Option<f64> {
-    if !collision.couple.is_wall() {
+    if !collision.couple.is_wall() || collision.is_thermal(scene) {
         return None;
     }
     let approach = collision.approach();
@@ -166,4 +167,35 @@ pub fn recent<'a>(
     let after = contact_time.map_or(f64::INFINITY, |time| now - time);
     let met = met.enumerate().filter(move |(_, met)| met.last > after);
     met.map(|(index, met)| Recent { index: index as u32, time: met.last })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::domain::Domain;
+    use crate::encounter::{AtWall, Couple, Encounter};
+    use crate::scene::{Kind, Surface};
+    use crate::walls::{Plane, ThermalWall, Wall, WallGeometry};
+
+    /// Checks a sphere that approaches a floor by 1 nm/s. With a contact time it rests on an ordinary floor, and leaves
+    /// it at a quarter of this time times g. A thermal floor gives it a velocity of the wall's temperature.
+    #[test]
+    fn no_particle_rests_on_a_thermal_wall() {
+        let lossy = Surface::new(0.5, 0.0);
+        let plane = Plane { point: Vector3::zeros(), normal: Vector3::y() };
+        let mut scene = Scene {
+            walls: vec![Wall::new(WallGeometry::Plane(plane), lossy)],
+            gravity: Vector3::y() * -9.81,
+            ..Scene::new(Domain::new(Vector3::from_element(0.1), [true, false, true]), lossy, Vec::new())
+        };
+        let velocity = Vector3::y() * -1e-9;
+        let met = Encounter { normal: Vector3::y(), gap: 0.0, velocity, normal_velocity: -1e-9 };
+        let (couple, kinds) = (Couple::at_wall(0, AtWall::first(0)), (0, Kind::Wall(0)));
+        let collision = Collision { couple, met, elastic: false, kinds, wall: None, image: 0.0 };
+        assert_eq!(rests(&collision, &scene, Some(1e-4)), Some(0.25 * 9.81 * 1e-4));
+        assert!(collision.loses(&scene));
+        scene.walls[0].thermal = Some(ThermalWall { temperature: 1.0, seed: 1 });
+        assert_eq!(rests(&collision, &scene, Some(1e-4)), None);
+        assert!(!collision.loses(&scene));
+    }
 }

@@ -117,10 +117,16 @@ impl Collision {
         -self.met.normal_velocity
     }
 
-    /// True if the collision loses energy along the normal. Collisions without loss may go on without end, and are no
-    /// sign of an inelastic collapse.
+    /// True if the restitution takes energy along the normal. Collisions without this loss may go on without end, and
+    /// are no sign of an inelastic collapse. A thermal wall does not use its restitution.
     pub fn loses(&self, scene: &Scene) -> bool {
-        !self.elastic && scene.surface(self.kinds.0, self.kinds.1).restitution_at(self.approach()) < 1.0
+        let dissipates = || scene.surface(self.kinds.0, self.kinds.1).restitution_at(self.approach()) < 1.0;
+        !self.elastic && !self.is_thermal(scene) && dissipates()
+    }
+
+    /// True if the other body is a thermal wall, which gives the particle a new velocity at each impact.
+    pub fn is_thermal(&self, scene: &Scene) -> bool {
+        matches!(self.couple.other, Other::Wall(at) if scene.walls[at.wall as usize].thermal.is_some())
     }
 
     /// Applies the impulse to the velocities and spins in `particles`, and adds the impact to `log`. An impulse **J**

@@ -139,6 +139,10 @@ impl Solve for HybridIslands {
         self.few.energy(contact)
     }
 
+    fn available_energy(&self, contact: &Contact) -> f64 {
+        self.few.available_energy(contact)
+    }
+
     fn spring_energies(&self, contact: &Contact) -> [f64; 3] {
         self.few.spring_energies(contact)
     }

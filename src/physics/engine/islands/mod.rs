@@ -80,8 +80,14 @@ pub trait Solve: Sync {
     /// island (group of particles that may meet).
     fn moved(carried: &Self::Carried, index_of: &dyn Fn(u32) -> u32) -> Self::Carried;
 
-    /// Energy [J] that a contact in progress may give back to its particles; 0 for a recent collision.
+    /// Energy [J] stored in a contact in progress, negative if the bodies attract each other; 0 for a recent collision.
     fn energy(&self, carried: &Self::Carried) -> f64;
+
+    /// Largest energy [J] that a contact in progress may give back to its particles. It differs from
+    /// [`energy`](Self::energy), which is the default, if the bodies attract each other.
+    fn available_energy(&self, carried: &Self::Carried) -> f64 {
+        self.energy(carried)
+    }
 
     /// Energies [J] in the tangential, rolling and twisting spring of a contact in progress. [`energy`](Self::energy)
     /// includes them.
@@ -318,7 +324,7 @@ impl<C: Copy + Send + Sync + Serialize + DeserializeOwned> Islands<C> {
             let touches = self.find(work, view.region.clone(), piece);
             in_order(solver, work);
             let carried: Vec<[Option<u32>; 2]> = work.lasting.iter().map(S::indices).collect();
-            let energy: Vec<f64> = work.lasting.iter().map(|carried| solver.energy(carried)).collect();
+            let energy: Vec<f64> = work.lasting.iter().map(|carried| solver.available_energy(carried)).collect();
             let limits = IslandLimits { crowds: solver.takes_crowds(), most: piece.most };
             let space = Space { scene, frame, part, lightest: piece.population.lightest };
             let mut islands = S::Finder::new(Clusters::new(&mut self.search, work.particles, space), limits);

@@ -152,6 +152,11 @@ impl<I: InstantaneousRule> Solve for SoftIslands<I> {
 
     fn energy(&self, contact: &Contact) -> f64 {
         let [sheared, rolling, twisting] = self.spring_energies(contact);
+        self.law.stored_energy(&contact.touch.spring, contact.course.overlap) + sheared + (rolling + twisting)
+    }
+
+    fn available_energy(&self, contact: &Contact) -> f64 {
+        let [sheared, rolling, twisting] = self.spring_energies(contact);
         self.law.available_energy(&contact.touch.spring, contact.course.overlap) + sheared + (rolling + twisting)
     }
 
