@@ -80,6 +80,7 @@ mod pieces; // trajectories in pieces, written by threads in place of processes
 mod plan; // predictions against short runs, recommendations, the command `plan`
 mod plan_contacts; // kinds of contact in a plan: walls of unequal elasticity, elastic bounces
 mod player; // recordings of particles: same bits, bounded, complete in the page
+mod random_scenes; // random small scenes: hard spheres are the limit of stiff soft spheres
 mod restitution; // restitution by speed: every model, every soft law, gases, bits, messages
 mod resume; // killed or stopped runs continue with the same bits; damaged checkpoints; full disks
 mod rotation;

@@ -233,6 +233,7 @@ def killed_and_gone_on_with(place):
         assert process.poll() is None, process.communicate()
         if how == signal.SIGKILL:
             one = subprocess.run(["pgrep", "-f", f"^{PROGRAM} run.*{folder.name}"], text=True, capture_output=True).stdout.split()
+            assert one, f"no process of {folder.name} is running"
             os.kill(int(one[-1]), how)
         else:
             process.send_signal(how)

@@ -482,3 +482,11 @@ fn the_spring_that_limits_the_time_step_is_named() {
     );
     assert!(first.starts_with("rolling spring"), "{first}");
 }
+
+/// A single particle has no agitation with which the turbulence that it sees could be compared.
+#[test]
+fn an_effect_without_bound_is_called_so() {
+    let output = diptych(&["plan", "channel-f", "--set", "particles[0].volume_fraction=1e-5"]);
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(told.contains("is not small here: without bound") && !told.contains("inf "), "{told}");
+}

@@ -369,6 +369,10 @@ fn doubts(plan: &RunPrediction) -> Vec<String> {
     let mut list = Vec::new();
     for effect in plan.effects.iter().filter(|effect| !effect.modelled && !effect.negligible()) {
         list.push(match effect.number {
+            Some(number) if number.is_infinite() => format!(
+                "{} is not in the model and is not small here: without bound ({}).",
+                effect.name, effect.measure
+            ),
             Some(number) => format!(
                 "{} is not in the model and is not small here: {} against {} ({}).",
                 effect.name,

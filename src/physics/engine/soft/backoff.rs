@@ -52,7 +52,7 @@ pub fn steps_cost(forces: u64, updates: u64) -> f64 {
 
 /// Work that uniform steps (of all particles) would need for the simulated time that islands (groups of particles that
 /// may meet) have covered. The cost of the islands is compared with the cost of this work.
-pub struct Rival {
+pub struct UniformStepWork {
     /// [-] number of uniform steps times the number of force evaluations per step.
     pub stages: f64,
     /// Number of particles that uniform steps would move.
@@ -63,11 +63,11 @@ pub struct Rival {
     pub forces: f64,
 }
 
-impl Rival {
+impl UniformStepWork {
     /// [ns] cost of the uniform steps on one core.
     pub fn cost(&self) -> f64 {
-        let everybody = UNIFORM_COST * self.particles as f64 + LISTED * self.slots as f64;
-        self.stages * everybody + CONTACT * self.forces
+        let all_particles = UNIFORM_COST * self.particles as f64 + LISTED * self.slots as f64;
+        self.stages * all_particles + CONTACT * self.forces
     }
 }
 
@@ -95,7 +95,7 @@ impl Backoff {
     /// steps. If islands cost more, a pause begins that is twice as long as the previous pause, up to `LONGEST`.
     /// Otherwise the stored length of the previous pause is halved. Does nothing if islands were not tried between
     /// `before` and `after`.
-    pub fn judge(&mut self, before: &IslandCounters, after: &IslandCounters, fallback_cost: &Rival) {
+    pub fn judge(&mut self, before: &IslandCounters, after: &IslandCounters, fallback_cost: &UniformStepWork) {
         if after.neighbour_builds == before.neighbour_builds {
             // islands were not tried in this window
             return;

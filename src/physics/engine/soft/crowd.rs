@@ -2,7 +2,7 @@
 //! by uniform steps, as if no particles outside the island existed. A window is the time between two exchanges with
 //! the gas.
 
-use super::backoff::{Rival, stages};
+use super::backoff::{UniformStepWork, stages};
 use super::contacts::StepRecord;
 use super::{Contact, Soft, SoftSolver};
 use crate::contact_law::ContactLaw;
@@ -29,7 +29,7 @@ impl Steps {
     /// six neighbours and four contacts, each of which is shared by two particles.
     pub fn cost_in_a_bed(&self) -> f64 {
         let stages = stages(self.integrator) / self.longest;
-        Rival { stages, particles: 1, slots: 3, forces: 2.0 * stages }.cost()
+        UniformStepWork { stages, particles: 1, slots: 3, forces: 2.0 * stages }.cost()
     }
 }
 

@@ -69,7 +69,7 @@ pub struct ForceBuffer {
 }
 
 /// Empty range: it contains the index of no particle.
-const NOBODY: Range<u32> = Range { start: u32::MAX, end: 0 };
+const NO_PARTICLES: Range<u32> = Range { start: u32::MAX, end: 0 };
 
 /// Returns the range `span` of indices, extended to contain the particles of one more force.
 #[inline]
@@ -111,7 +111,7 @@ impl ForceBuffer {
 
     /// Adds a contact force at the end of the list.
     pub fn add(&mut self, push: ForceIncrement) {
-        self.span = if self.list.is_empty() { wider(&NOBODY, &push) } else { wider(&self.span, &push) };
+        self.span = if self.list.is_empty() { wider(&NO_PARTICLES, &push) } else { wider(&self.span, &push) };
         self.list.push(push);
     }
 
@@ -141,7 +141,7 @@ impl ForceBuffer {
 
     /// Applies a new order of the particle store: the particle that was at index `p` is now at `index_of[p]`.
     pub fn reorder(&mut self, index_of: &[u32]) {
-        self.span = NOBODY;
+        self.span = NO_PARTICLES;
         for push in &mut self.list {
             push.i = index_of[push.i as usize];
             push.j = push.j.map(|j| StoreIndex::of(index_of[j.get() as usize]));

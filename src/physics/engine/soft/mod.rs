@@ -33,7 +33,7 @@ use crate::experiment::{Integrator, SoftStepping};
 use crate::neighbours::{NeighbourList, along_walls};
 use crate::particles::Particles;
 use crate::scene::{Scene, SceneInTime};
-use backoff::{Backoff, Rival, stages};
+use backoff::{Backoff, UniformStepWork, stages};
 pub(in crate::engine) use contact::{Alike, Contact, TouchingPair, first_named};
 pub(in crate::engine) use contact_sums::ContactSums;
 use contacts::Due;
@@ -332,10 +332,10 @@ impl SoftSolver {
 
     /// Estimates the work of uniform steps of `particles` particles for `time` [s] of simulated time. In this time,
     /// islands computed `forces` contact forces by local steps, and crowds (large islands) `of_crowds` forces.
-    fn uniform_work(&self, particles: usize, time: f64, [forces, of_crowds]: [u64; 2]) -> Rival {
+    fn uniform_work(&self, particles: usize, time: f64, [forces, of_crowds]: [u64; 2]) -> UniformStepWork {
         let stages = stages(self.integrator);
         let local = self.islands.stages().len() as f64;
-        Rival {
+        UniformStepWork {
             stages: stages * time / self.longest_step,
             particles,
             slots: self.shared.slots.unwrap_or(self.list.slots()).max(particles),
