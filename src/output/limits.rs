@@ -30,7 +30,7 @@ pub struct Map {
     /// Names of the columns in the table, with the unit after an underscore. The comment at the beginning of `case`
     /// explains the columns.
     pub columns: Vec<&'static str>,
-    /// Points of the map, in the order in which they are drawn.
+    /// Points of the map of failures, in the order in which they are drawn.
     pub rows: Vec<MapPoint>,
     /// Picture of the map: coloured cells or curves.
     pub picture: Picture,

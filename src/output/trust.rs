@@ -43,9 +43,9 @@ pub struct TrustCheck {
     pub found: Option<Estimate>,
     /// Condition on the value, such as a limit.
     pub expected: Expected,
-    /// Judgement of the value by the condition `expected`.
+    /// Judgement of the found value by the condition `expected`.
     pub judgement: Judgement,
-    /// Reason why the value is missing, or the source of the limit.
+    /// Reason why the value was not found, or the source of the limit in `expected`.
     pub remark: String,
 }
 

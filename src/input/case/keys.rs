@@ -195,8 +195,8 @@ fn is_table(schema: &Value) -> bool {
         .any(|branch| branch.get("properties").is_some() || branch.get("additionalProperties") == Some(&json!(false)))
 }
 
-/// Adds the table that `schema` describes, and the tables within it, to `tables`. The schema `about` contains the
-/// description of the table. `is_list` is true for a list of such tables, false for a single table.
+/// Adds to `tables` the table whose keys `schema` lists, and the tables within it. The schema `about` contains the text
+/// that explains the table to users. `is_list` is true for a list of such tables, false for a single table.
 fn collect(schema: &Value, about: &Value, name: &str, is_list: bool, tables: &mut Vec<KeyTable>) {
     let holds_table = |value: &Value| is_table(value) || value.get("items").is_some_and(is_table);
     let inner = properties(schema).filter(|(_, value)| holds_table(value));

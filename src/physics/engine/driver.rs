@@ -67,9 +67,9 @@ pub struct Trial {
     /// [s] time from the start of the window to the instant up to which islands (groups of particles that may meet)
     /// were solved.
     pub done: f64,
-    /// Counts of the work in islands (groups of particles that may meet) before the trial.
+    /// Counts of the work in islands (groups of particles that may meet) before they were tried.
     pub before: IslandCounters,
-    /// Counts of the work in islands (groups of particles that may meet) after the trial.
+    /// Counts of the work in islands (groups of particles that may meet) after they were tried.
     pub after: IslandCounters,
 }
 

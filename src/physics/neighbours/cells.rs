@@ -210,7 +210,7 @@ impl CellGrid {
         self.indices(cell, cell)
     }
 
-    /// Number of rows of cells along x in the grid.
+    /// Number of rows in the grid; the cells of a row have equal y and z.
     pub fn rows(&self) -> usize {
         self.count[1] * self.count[2]
     }

@@ -23,9 +23,9 @@ const MOST_SAMPLES: u64 = 1000;
 /// Number of bins of the distance, beginning at contact, from whose counts the value of g(r) at contact is
 /// extrapolated.
 const NEAR: usize = 12;
-/// [-] width of a bin near contact, over the distance of the two centres at contact. A parabola over 0.12 diameters
-/// extrapolates g of a hard-sphere fluid to contact with an error of 0.2 % at a volume fraction of 0.45, where g falls
-/// like exp(-5 r/d), with the diameter d.
+/// [-] width of a bin near contact, over the distance of the two centres at contact. A parabola over all bins near
+/// contact (0.12 diameters) extrapolates g of a hard-sphere fluid to contact with an error of 0.2 % at a volume
+/// fraction of 0.45, where g falls like exp(-5 r/d), with the diameter d.
 const NEAR_WIDTH: f64 = 0.01;
 /// [-] outer end of the last bin near contact: distance of the two centres over their distance at contact.
 const FURTHEST: f64 = 1.0 + NEAR as f64 * NEAR_WIDTH;

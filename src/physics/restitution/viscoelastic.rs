@@ -184,7 +184,8 @@ mod tests {
         assert!((found.duration / (2.943_275 * found.depth) - 1.0).abs() < 1e-6);
     }
 
-    /// Interpolation between the points of the table, against the equation of motion at the same damping.
+    /// Compares interpolated values of the table of impacts with solutions of the equation of motion at the same
+    /// damping.
     #[test]
     fn the_table_holds_the_solution_of_the_equation_of_motion() {
         for k in 0..60 {

@@ -4,9 +4,9 @@
 /// Symmetry of a profile under a reflection at the mid-plane of the channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
-    /// The reflection does not change the profile: density, streamwise velocity, normal stresses.
+    /// The reflection at the mid-plane does not change the profile: density, streamwise velocity, normal stresses.
     Even,
-    /// The reflection reverses the sign of the profile: shear stress, wall-normal velocity.
+    /// The reflection at the mid-plane reverses the sign of the profile: shear stress, wall-normal velocity.
     Odd,
     /// The profile has no symmetry, because the mid-plane is no mirror plane of the scene.
     Neither,

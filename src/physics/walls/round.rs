@@ -248,8 +248,8 @@ impl Frustum {
     }
 
     /// Point of the outline that is nearest to `point` [m]. `seen` [m] contains the distance of `point` from the axis
-    /// and its coordinate along the axis. With `out` = 1 the point of the outline is on the near side. With `out` = -1
-    /// it is on the opposite side, and the distance in `seen` is negative.
+    /// and its coordinate along the axis. With `out` = 1 the point of the outline is on the same side of the axis as
+    /// `point`. With `out` = -1 it is on the opposite side; the caller gives the distance in `seen` a negative sign.
     fn nearest_of_side(&self, seen: &Vector2<f64>, out: f64, point: &Vector3<f64>) -> Nearest {
         let outline = self.outline();
         let ways = outline.windows(2).map(|ends| {

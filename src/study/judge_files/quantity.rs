@@ -130,8 +130,8 @@ fn side<'a>(
     }
 }
 
-/// Average of a quantity on one side over the time in which it is steady, with the averages over equal intervals
-/// (blocks) of this time.
+/// Average of a quantity on one side of the comparison (A or B) over the time in which it is steady, with the averages
+/// over equal intervals (blocks) of this time.
 struct SideAverage {
     summary: SideSummary,
     batches: Option<Batches>,

@@ -1,4 +1,4 @@
-//! One row of the validation suite before it runs, and functions with which rows run their scenes.
+//! One row (test) of the validation suite before it runs, and functions by which such tests run their scenes.
 
 use crate::case::{Case, built_in};
 use crate::engine::Failure;
