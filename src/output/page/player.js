@@ -45,43 +45,64 @@
 
   // Position and velocity of a particle between two frames. It is assumed to collide at most once between them: the
   // collision is at the instant at which the flight from the first frame and the flight to the next frame are nearest.
-  const [way, apart, change] = [[0, 0, 0], [0, 0, 0], [0, 0, 0]];
+  // In a sheared box, periodic images across the upper and the lower side slide along z: a particle that leaves through
+  // one of these sides returns displaced, and with another velocity along z.
+  const slid = (scene, time) => scene.slide.start + scene.slide.speed * time;
+  const [way, apart, change, last] = [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]];
   function fly(scene, variant, k, particle, time, out) {
     const next = Math.min(k + 1, variant.times.length - 1);
     const long = variant.times[next] - variant.times[k];
     const s = Math.min(Math.max(time - variant.times[k], 0), long);
     const [a, b] = [3 * (k * variant.count + particle), 3 * (next * variant.count + particle)];
-    let [product, square] = [0, 0];
+    let [product, square, heights] = [0, 0, 0];
     for (let axis = 0; axis < 3; axis++) {
       const size = scene.size[axis];
       const va = variant.velocity[a + axis] * variant.unit;
-      const vb = variant.velocity[b + axis] * variant.unit;
+      last[axis] = variant.velocity[b + axis] * variant.unit;
       const g = scene.gravity[axis];
       way[axis] = ((variant.position[b + axis] - variant.position[a + axis]) * size) / 65535;
-      if (scene.periodic[axis]) way[axis] -= size * Math.round((way[axis] - 0.5 * (va + vb) * long) / size);
+      if (axis === 2 && heights !== 0) {
+        way[axis] -= heights * slid(scene, variant.times[next]);
+        last[axis] -= heights * scene.slide.speed;
+      }
+      if (scene.periodic[axis]) {
+        const periods = Math.round((way[axis] - 0.5 * (va + last[axis]) * long) / size);
+        way[axis] -= size * periods;
+        if (axis === 1 && scene.slide) heights = periods;
+      }
       // flight from this frame minus flight back from the next frame: difference of the positions at the start, and its change per time
-      apart[axis] = vb * long - 0.5 * g * long * long - way[axis];
-      change[axis] = va - vb + g * long;
+      apart[axis] = last[axis] * long - 0.5 * g * long * long - way[axis];
+      change[axis] = va - last[axis] + g * long;
       product += apart[axis] * change[axis];
       square += change[axis] * change[axis];
     }
     const meet = square > 0 ? Math.min(Math.max(-product / square, 0), long) : 0.5 * long;
     const rest = long - s;
+    let above = 0;
     for (let axis = 0; axis < 3; axis++) {
-      const from = (variant.position[a + axis] * scene.size[axis]) / 65535;
+      const size = scene.size[axis];
+      const from = (variant.position[a + axis] * size) / 65535;
       const va = variant.velocity[a + axis] * variant.unit;
-      const vb = variant.velocity[b + axis] * variant.unit;
       const g = scene.gravity[axis];
       // drag or further collisions leave a distance between both flights; half of it is added to each flight
       const left = 0.5 * (apart[axis] + meet * change[axis]);
       let x;
       if (scene.linear || long <= 0) x = from + (long > 0 ? (way[axis] * s) / long : 0);
       else if (s < meet) x = from + va * s + 0.5 * g * s * s - left * (s / meet);
-      else x = from + way[axis] - vb * rest + 0.5 * g * rest * rest + (rest > 0 ? left * (rest / (long - meet)) : 0);
+      else x = from + way[axis] - last[axis] * rest + 0.5 * g * rest * rest + (rest > 0 ? left * (rest / (long - meet)) : 0);
+      let v = s < meet ? va + g * s : last[axis] - g * rest;
       if (scene.along) x -= scene.drift[axis] * time;
-      if (scene.periodic[axis]) x -= scene.size[axis] * Math.floor(x / scene.size[axis]);
+      if (axis === 2 && above !== 0) {
+        x -= above * slid(scene, time);
+        v -= above * scene.slide.speed;
+      }
+      if (scene.periodic[axis]) {
+        const periods = Math.floor(x / size);
+        x -= size * periods;
+        if (axis === 1 && scene.slide) above = periods;
+      }
       out.position[3 * particle + axis] = x;
-      out.velocity[3 * particle + axis] = s < meet ? va + g * s : vb - g * rest;
+      out.velocity[3 * particle + axis] = v;
     }
   }
 

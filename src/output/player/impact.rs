@@ -42,6 +42,7 @@ impl Player {
         let stage = RecordingFrame {
             size: size(study),
             periodic: [false; 3],
+            slide: None,
             walls: Vec::new(),
             gravity: Vector3::zeros(),
             drift: Vector3::zeros(),

@@ -22,6 +22,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use maud::{Markup, PreEscaped, html};
 use nalgebra::Vector3;
+use serde::Serialize;
 use serde_json::{Value, json};
 
 /// Number of variants (experiments of a case) that have a panel when the page opens. The reader can choose other
@@ -53,11 +54,22 @@ struct RecordedVariant<'a> {
     frames: &'a Frames,
 }
 
+/// Displacement along z of the periodic image one box height above a particle, in a sheared box.
+#[derive(Clone, Copy, Serialize)]
+struct ImageSlide {
+    /// [m] displacement at time 0.
+    start: f64,
+    /// [m/s] rate at which the displacement grows.
+    speed: f64,
+}
+
 /// Data of a recording that are common to all variants (experiments of a case): box, walls, gravity and view.
 struct RecordingFrame {
     /// [m] edge lengths of the box along x, y and z.
     size: Vector3<f64>,
     periodic: [bool; 3],
+    /// Displacement along z of periodic images in a sheared box; `None` without shear.
+    slide: Option<ImageSlide>,
     /// Line segments that outline each wall, with six coordinates [m] per segment.
     walls: Vec<Vec<f64>>,
     /// [m/s²] acceleration by gravity, with which the script draws curved paths between the recorded instants; 0 in a
@@ -99,6 +111,7 @@ impl Player {
         let data = json!({
             "size": stage.size.as_slice(),
             "periodic": stage.periodic,
+            "slide": stage.slide,
             "walls": stage.walls,
             "gravity": stage.gravity.as_slice(),
             "drift": stage.drift.as_slice(),
@@ -158,6 +171,7 @@ fn stage(outcome: &Outcome, frames: &Frames) -> RecordingFrame {
     RecordingFrame {
         size: scene.domain.size,
         periodic: scene.domain.periodic,
+        slide: scene.domain.shear.map(|shear| ImageSlide { start: shear.start, speed: scene.domain.sliding() }),
         walls: outlines::outlines(scene),
         gravity: if scene.fluid.is_some() { Vector3::zeros() } else { scene.gravity },
         drift,

@@ -233,6 +233,16 @@ fn transform<T: Copy + Into<Complex<f64>>>(n: i64, row: &[T]) -> Complex<f64> {
     row.iter().zip(0..).map(|(value, k)| (*value).into() * Complex::cis(phase(k))).sum()
 }
 
+/// Time [s] of the first of the `samples`, and mean time [s] between two of them, some of which may have been left out.
+/// `alone` has the two times for less than two samples.
+fn clock(samples: &[&SurfaceSample], alone: [f64; 2]) -> [f64; 2] {
+    match samples {
+        [first, .., last] => [first.time, (last.time - first.time) / (samples.len() as f64 - 1.0)],
+        [only] => [only.time, alone[1]],
+        [] => alone,
+    }
+}
+
 impl Measurement for FreeSurface {
     fn result(&self, _experiment: &Experiment, from: f64) -> Observation {
         let samples: Vec<&SurfaceSample> = self.samples.iter().filter(|sample| sample.time >= from).collect();
@@ -249,8 +259,12 @@ impl Measurement for FreeSurface {
                       samples: &[&SurfaceSample],
                       of: &dyn Fn(&SurfaceSample) -> f64| {
             let series: Vec<f64> = samples.iter().map(|sample| of(sample)).collect();
-            let clock = [samples.first().map_or(from, |sample| sample.time), self.interval];
-            ObservedNumber::of_series(ObservedQuantity::new(column, symbol, unit), &series, clock, None)
+            ObservedNumber::of_series(
+                ObservedQuantity::new(column, symbol, unit),
+                &series,
+                clock(samples, [from, self.interval]),
+                None,
+            )
         };
         let shells = shells(self.edges, self.columns);
         let mut numbers = vec![
@@ -312,4 +326,20 @@ impl Observer for FreeSurface {
     }
 
     plain_data!();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples that are left out lengthen the blocks of time of the others.
+    #[test]
+    fn every_second_sample_has_twice_the_interval() {
+        let sample = |time| SurfaceSample { time, contrast: 0.0, power: Vec::new(), strongest: 0, symmetry: [0.0; 3] };
+        let all: Vec<SurfaceSample> = (0..9).map(|k| sample(f64::from(k))).collect();
+        let odd: Vec<&SurfaceSample> = all.iter().skip(1).step_by(2).collect();
+        assert_eq!(clock(&all.iter().collect::<Vec<_>>(), [0.5, 3.0]), [0.0, 1.0]);
+        assert_eq!(clock(&odd, [0.5, 3.0]), [1.0, 2.0]);
+        assert_eq!([clock(&odd[..1], [0.5, 3.0]), clock(&[], [0.5, 3.0])], [[1.0, 3.0], [0.5, 3.0]]);
+    }
 }

@@ -156,14 +156,17 @@ pub fn work(counters: &Counters) -> f64 {
 /// Adds the counters of one run to `sum`, the counters of all runs of a point of the chart. The size of the largest
 /// island (group of particles that may meet) is not added: the largest value of all runs is kept.
 pub fn total(sum: &mut Counters, one: &Counters) {
-    sum.steps += one.steps;
-    sum.uniform_steps += one.uniform_steps;
-    sum.pair_checks += one.pair_checks;
-    sum.force_evaluations += one.force_evaluations;
-    sum.events += one.events;
-    sum.neighbour_builds += one.neighbour_builds;
-    sum.islands += one.islands;
-    sum.island_members += one.island_members;
-    sum.largest_island = sum.largest_island.max(one.largest_island);
-    sum.islands_redone += one.islands_redone;
+    *sum = Counters {
+        steps: sum.steps + one.steps,
+        uniform_steps: sum.uniform_steps + one.uniform_steps,
+        pair_checks: sum.pair_checks + one.pair_checks,
+        force_evaluations: sum.force_evaluations + one.force_evaluations,
+        events: sum.events + one.events,
+        missed_collisions: sum.missed_collisions + one.missed_collisions,
+        neighbour_builds: sum.neighbour_builds + one.neighbour_builds,
+        islands: sum.islands + one.islands,
+        island_members: sum.island_members + one.island_members,
+        largest_island: sum.largest_island.max(one.largest_island),
+        islands_redone: sum.islands_redone + one.islands_redone,
+    };
 }

@@ -5,6 +5,7 @@ use crate::contact_law::ContactLaw;
 use crate::domain::Domain;
 use crate::engine::Failure;
 use crate::experiment::{Amount, Experiment, Spheres};
+use crate::kinetic_theory::contact_value;
 use crate::particles::Particles;
 use crate::runs::{StudyError, start};
 use crate::scene::{Species, Surface};
@@ -86,11 +87,11 @@ pub fn fill(experiment: &mut Experiment, count: usize, fraction: f64) {
 }
 
 /// [1/s] collision rate of one sphere of diameter d in a gas, by Enskog: 24 φ g sqrt(T/π)/d. `fraction` is the volume
-/// fraction φ [-], `temperature` the granular temperature T [m²/s²]. The contact value g = (1 - φ/2)/(1 - φ)³ is that
-/// of Carnahan and Starling (1969).
+/// fraction φ [-], `temperature` the granular temperature T [m²/s²]. The [`contact_value`] g is that of
+/// Carnahan and Starling (1969).
 pub fn collision_rate(fraction: f64, temperature: f64) -> f64 {
-    let g = (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
-    24.0 * fraction * g * (temperature / std::f64::consts::PI).sqrt() / DIAMETER
+    24.0 * fraction * contact_value(1.0, 1.0, fraction, fraction) * (temperature / std::f64::consts::PI).sqrt()
+        / DIAMETER
 }
 
 /// [m²/s²] granular temperature 2E/(3(N-1)m) of a gas of N spheres of equal mass m with kinetic energy E. The total

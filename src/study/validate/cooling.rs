@@ -4,6 +4,7 @@
 use super::check::{CheckResult, CheckScene, ValidationCheck, averaged, run_to, stopped};
 use super::gases::temperature;
 use crate::experiment::Model;
+use crate::kinetic_theory::contact_value;
 use crate::output::ValidationTier::OtherCodes;
 use crate::output::panel::{Panel, PanelSeries, SeriesPoint, SeriesStyle};
 use crate::runs::StudyError;
@@ -17,7 +18,7 @@ use std::f64::consts::PI;
 pub fn enskog(simulation: &Simulation, temperature: f64) -> f64 {
     let (count, diameter) = (simulation.count() as f64, 2.0 * simulation.mean_radius());
     let fraction = count * PI / 6.0 * diameter.powi(3) / simulation.scene().domain.volume();
-    let contact = (1.0 - 0.5 * fraction) / (1.0 - fraction).powi(3);
+    let contact = contact_value(1.0, 1.0, fraction, fraction);
     24.0 * fraction * contact * (temperature / PI).sqrt() / diameter * (1.0 - 1.0 / count)
 }
 
