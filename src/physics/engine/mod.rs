@@ -296,7 +296,7 @@ pub enum Failure {
         /// Number of impacts of that particle since the start of the time window. If islands (groups solved separately)
         /// moved the particle first, impacts are counted from the instant at which the islands were given up.
         impacts: u64,
-        /// Time [s] between the last two impacts.
+        /// Time [s] between the last two impacts of that particle.
         interval: f64,
         /// Contact time t_c [s] of the TC model, in which a collision is elastic if the particle collided less than t_c
         /// before; `None` if this model is not used.
@@ -326,7 +326,7 @@ pub enum Failure {
         partner: Partner,
         /// Number of impacts of the particle within the step.
         impacts: u32,
-        /// Time [s] between the last two impacts.
+        /// Time [s] between the last two impacts of the particle.
         interval: f64,
         /// Coordinate x [m] of the particle.
         x: f64,

@@ -191,8 +191,8 @@ pub fn surfaces(plan: &SensitivityPlan) -> Vec<String> {
     pairs.chain(walls).collect()
 }
 
-/// Names of the tables that define contacts between particles, each with its surface: `contact`, and the pairs of
-/// species in the list `contact.pairs`.
+/// Tables of a case that define contacts between particles: `contact`, and one for each pair of species in the list
+/// `contact.pairs`. Each entry has the name of the table and the surface properties that the table defines.
 fn pairs(plan: &SensitivityPlan) -> Result<Vec<(String, Surface)>, String> {
     let reference = plan.reference();
     if reference.most_that_touch(reference.count()) < 2 {

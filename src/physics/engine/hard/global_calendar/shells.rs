@@ -29,8 +29,8 @@ pub struct Shell {
     pub(super) room: u8,
     /// True if the particle may touch a wall before it leaves this shell (ball in which its neighbour list is valid).
     pub at_wall: bool,
-    /// True if the particle may have neighbours in another part of the particles, whose events another thread
-    /// processes.
+    /// True if a particle of another part may be a neighbour of this particle. A part is the group of particles whose
+    /// events one thread processes.
     pub at_border: bool,
     /// True if a periodic image of a neighbour (its copy, shifted by an edge of the box) may be nearer than the
     /// neighbour itself. The centre of the shell does not show this: the centre is inside the box, but the stored

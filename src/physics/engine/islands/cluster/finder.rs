@@ -44,9 +44,10 @@ pub trait IslandFinder<'a>: DerefMut<Target = Clusters<'a>> + Sync + Sized {
     /// large.
     fn gather(&mut self, touches: &[FirstTouch], carried: &[[Option<u32>; 2]], energy: Vec<f64>) -> bool;
 
-    /// Appends to `pairs` the pairs of a member with the later particles of its island (group of particles that may
-    /// meet) that it may touch. `member` contains the local index of this member and its data. `island` contains the
-    /// store indices of all particles of the island, members first, and the number of members.
+    /// Appends to `pairs` each pair of one member of an island (group of particles that may meet) with a particle that
+    /// it may touch. Only particles after the member in the list of the island count. `member` contains the index of
+    /// the member in this list, and its data. `island` contains the list (store indices of all particles of the island,
+    /// members first) and the number of members.
     fn list_pairs(&self, member: (usize, &Member), island: (&[u32], usize), pairs: &mut Vec<Pair>);
 
     /// Makes an empty store for the trajectories of `members` particles. Its memory is reserved in advance, unless the
