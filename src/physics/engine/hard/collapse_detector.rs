@@ -177,8 +177,8 @@ mod tests {
     use crate::scene::{Kind, Surface};
     use crate::walls::{Plane, ThermalWall, Wall, WallGeometry};
 
-    /// Checks a sphere that approaches a floor by 1 nm/s. With a contact time it rests on an ordinary floor, and leaves
-    /// it at a quarter of this time times g. A thermal floor gives it a velocity of the wall's temperature.
+    /// Checks a sphere that approaches a floor at 1 nm/s. With a contact time t_c the sphere rests on an ordinary
+    /// floor, and leaves the floor at the speed g t_c/4. On a thermal floor the sphere does not rest.
     #[test]
     fn no_particle_rests_on_a_thermal_wall() {
         let lossy = Surface::new(0.5, 0.0);

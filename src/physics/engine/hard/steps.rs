@@ -71,9 +71,9 @@ impl SteppedHard {
         theta * duration / (longest * Self::steps(longest, duration))
     }
 
-    /// Number of pairs that the time step has missed. Such a pair began to touch and came nearest within the last step
-    /// of `dt` [s], but separates at the end of the step. It receives no impulse, even if the two particles still
-    /// overlap.
+    /// Number of pairs whose collision the time step has missed. The two particles of such a pair began to touch and
+    /// came nearest to each other within the last step of `dt` [s]. At the end of the step they move apart. The pair
+    /// receives no impulse, even if the particles still overlap.
     fn missed(&self, particles: &Particles, scene: &Scene, dt: f64) -> u64 {
         let passed = |pair: &&Pair| {
             let (i, j) = (pair.i as usize, pair.j as usize);
