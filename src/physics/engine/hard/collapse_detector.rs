@@ -78,8 +78,8 @@ impl LastCollision {
 
     /// Adds a collision at simulated time `time` [s] to the history of the particle. Returns the time [s] since the
     /// particle's previous collision if the collisions show an inelastic collapse, otherwise `None`. `contact_time` [s]
-    /// is that of the TC model, in which a collision is elastic if the particle collided less than this time before;
-    /// `None` without this model.
+    /// is the contact time of the TC model, in which a collision is elastic if the particle collided less than this
+    /// time before; `None` without this model.
     pub fn note(&mut self, collision: &Collision, scene: &Scene, time: f64, contact_time: Option<f64>) -> Option<f64> {
         let interval = time - self.last;
         let flown = collision.approach().abs() * interval;

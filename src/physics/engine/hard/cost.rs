@@ -13,8 +13,7 @@ use std::f64::consts::{PI, SQRT_2};
 const TOUCH: f64 = 40.0;
 
 /// [ns] cost per particle of building the neighbour list: sorting into cells, and looking for walls. The search for
-/// touching particles, by which islands (groups of particles that may meet) are found, does the same work at the same
-/// cost.
+/// touching particles, by which islands (groups of particles that may meet) are found, also has this cost.
 const BUILD: f64 = 90.0;
 
 /// [ns] cost of comparing the positions of one pair of particles, in double precision, while the neighbour list is

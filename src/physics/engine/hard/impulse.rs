@@ -67,8 +67,8 @@ pub struct Collision {
     /// engine with time steps the finite step causes a larger one.
     pub met: Encounter,
     /// True if the collision loses no energy along the normal, whatever the surfaces. In the TC model (Luding and
-    /// McNamara 1998, Granular Matter 1, 113) this is so if one of the partners collided less than the contact time
-    /// before.
+    /// McNamara 1998, Granular Matter 1, 113) a collision is elastic if one of the partners collided less than the
+    /// contact time before.
     pub elastic: bool,
     /// Species of particle `i`, and kind (species or wall) of the other body; they select restitution and friction.
     pub kinds: (u16, Kind),

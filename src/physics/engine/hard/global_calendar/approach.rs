@@ -153,10 +153,10 @@ pub mod wide {
         }
 
         /// Separations [m] and relative velocities [m/s] along one axis: values of the particle minus those of four
-        /// neighbours. If `sides` is given, the separations are those to the nearest images. `there` [m] and `theirs`
-        /// [m/s] are the positions of the neighbours at the starts of their flights, and their velocities. The flights
-        /// of particle and neighbours began `ours` [s] and `since` [s] before the time `start` [s] at which the
-        /// separations are computed.
+        /// neighbours. If `sides` is given, the separations from the nearest images of the neighbours are computed.
+        /// `there` [m] and `theirs` [m/s] are the positions of the neighbours at the starts of their flights, and their
+        /// velocities. The flights of particle and neighbours began `ours` [s] and `since` [s] before the time `start`
+        /// [s] at which the separations are computed.
         #[inline(always)]
         fn relative(
             &self,

@@ -28,7 +28,7 @@ use std::cmp::Ordering;
 use std::f64::consts::{PI, SQRT_2};
 
 /// Number of times that the fastest particle may cross the box between two epochs, the instants from which times are
-/// counted. Over a longer time the rounding errors of times would matter as much as those of positions.
+/// counted. Over a longer time the rounding errors of times would matter as much as the rounding errors of positions.
 const CROSSINGS: f64 = 8.0;
 
 /// [-] distance that the frame may move towards a wall while it follows a flying layer of particles, divided by the

@@ -12,7 +12,7 @@
 //!
 //! If an event of step 3 is found too late, because its particle has already had a later event, the round is undone and
 //! repeated with a shorter length. This is rare, because few particles have two events in a round. The time of a touch
-//! depends only on two flights, so the results are bit for bit those of a single thread.
+//! depends only on two flights, so the results are bit for bit equal to the results of a single thread.
 //!
 //! A particle that comes near the surface of its shell gets a new shell at once, if all cells around it belong to its
 //! part ([`Territories`](super::territories::Territories)). Otherwise the particle gets a new shell after the round, or
@@ -49,15 +49,15 @@ const FEWEST: usize = 10_000;
 const SLACK: f64 = 0.08;
 
 /// [-] speed that no particle may exceed in a round (piece of time shared by threads), divided by the largest speed of
-/// any particle. That speed is computed at times only ([`RENEWALS`](super::renewal::RENEWALS)).
+/// any particle. The largest speed is computed only at intervals ([`RENEWALS`](super::renewal::RENEWALS)).
 const FASTER: f64 = 1.25;
 
 /// [-] factor by which rounds (pieces of time shared by threads) become longer after each successful round with few
 /// collisions.
 const LONGER: f64 = 1.01;
 
-/// [-] factor by which rounds (pieces of time shared by threads) become shorter after each failed round. With this
-/// value and that of [`LONGER`], about one round in twenty fails.
+/// [-] factor by which rounds (pieces of time shared by threads) become shorter after each failed round. With these
+/// values of `SHORTER` and [`LONGER`], about one round in twenty fails.
 const SHORTER: f64 = 0.8;
 
 /// [-] shortest length of a round (piece of time shared by threads), divided by the longest. The first round has the
@@ -66,7 +66,7 @@ const SHORTER: f64 = 0.8;
 const SHORTEST: f64 = 1e-3;
 
 /// Number of particles per collision in a round (piece of time shared by threads), above which the next rounds become
-/// longer. This limits the memory of the states that are stored to undo a round.
+/// longer. So this ratio limits the memory of the states that are stored to undo a round.
 const PER_COLLISION: usize = 128;
 
 /// Largest number of failures after which a round (piece of time shared by threads) is tried again; after one more

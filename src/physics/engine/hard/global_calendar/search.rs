@@ -64,8 +64,8 @@ impl Shells {
     }
 
     /// Appends to `found` the indices of the neighbours of particle `i`. These are all particles whose shells overlap
-    /// that of `i`, and some whose shells nearly overlap it. A shell is the ball in which a neighbour list is valid.
-    /// Returns the number of shells tested.
+    /// the shell of `i`, and some particles whose shells nearly overlap it. A shell is the ball in which a neighbour
+    /// list is valid. Returns the number of shells tested.
     pub fn find_neighbours(&self, i: u32, particles: ParticleRange, domain: &Domain, found: &mut Vec<u32>) -> u64 {
         let (centre, radius) = (particles.shell(i).centre(), self.radius(particles.body(i)));
         let near = |j: u32| {

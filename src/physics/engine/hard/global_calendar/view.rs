@@ -67,8 +67,8 @@ impl<'a> CalendarView<'a> {
     }
 
     /// Vector [m] from `b` to the nearest periodic image of `a`, and velocity [m/s] of this image relative to `b`. The
-    /// time is `now` [s] since the epoch (zero of the event queue's time). `velocity` [m/s] is that of `a` itself
-    /// relative to `b`; the velocity of the image differs from this velocity only across sheared sides.
+    /// time is `now` [s] since the epoch (zero of the event queue's time). `velocity` [m/s] is the velocity of `a`
+    /// itself relative to `b`; the velocity of the image differs from this velocity only across sheared sides.
     #[inline]
     pub fn relative(
         &self,
