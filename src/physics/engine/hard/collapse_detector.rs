@@ -78,8 +78,8 @@ impl LastCollision {
 
     /// Adds a collision at simulated time `time` [s] to the history of the particle. Returns the time [s] since the
     /// particle's previous collision if the collisions show an inelastic collapse, otherwise `None`. `contact_time` [s]
-    /// is that of the TC model, in which a collision is elastic if the particle collided less than this time before;
-    /// `None` without this model.
+    /// is the contact time of the TC model, in which a collision is elastic if the particle collided less than this
+    /// time before; `None` without this model.
     pub fn note(&mut self, collision: &Collision, scene: &Scene, time: f64, contact_time: Option<f64>) -> Option<f64> {
         let interval = time - self.last;
         let flown = collision.approach().abs() * interval;
@@ -177,8 +177,8 @@ mod tests {
     use crate::scene::{Kind, Surface};
     use crate::walls::{Plane, ThermalWall, Wall, WallGeometry};
 
-    /// Checks a sphere that approaches a floor by 1 nm/s. With a contact time it rests on an ordinary floor, and leaves
-    /// it at a quarter of this time times g. A thermal floor gives it a velocity of the wall's temperature.
+    /// Checks a sphere that approaches a floor at 1 nm/s. With a contact time t_c the sphere rests on an ordinary
+    /// floor, and leaves the floor at the speed g t_c/4. On a thermal floor the sphere does not rest.
     #[test]
     fn no_particle_rests_on_a_thermal_wall() {
         let lossy = Surface::new(0.5, 0.0);

@@ -13,11 +13,11 @@ use std::f64::consts::{PI, SQRT_2};
 const TOUCH: f64 = 40.0;
 
 /// [ns] cost per particle of building the neighbour list: sorting into cells, and looking for walls. The search for
-/// touching particles, by which islands (groups of particles that may meet) are found, does the same work at the same
-/// cost.
+/// touching particles, by which islands (groups of particles that may meet) are found, also has this cost.
 const BUILD: f64 = 90.0;
 
-/// [ns] cost of comparing one pair of particles while the neighbour list is built, in double precision.
+/// [ns] cost of comparing the positions of one pair of particles, in double precision, while the neighbour list is
+/// built.
 const PAIR: f64 = 3.0;
 
 /// [-] volume fraction above which one event queue of all particles, kept from window to window, costs less than
@@ -57,9 +57,10 @@ pub fn lasts(scene: &Scene) -> bool {
 /// Lowest cost [ns/s], per particle and simulated time, of moving all particles by one event queue that is predicted
 /// anew in every window.
 ///
-/// At the start of a window the touches of all listed pairs are predicted, and after a collision those of both partners
-/// again. Pairs are listed if their gap is smaller than a length called skin. The list is rebuilt whenever the fastest
-/// particle has moved half the skin. The function tries many skins and returns the lowest cost.
+/// At the start of a window the touches of all listed pairs are predicted. After a collision, all touches of its two
+/// partners are predicted again. Pairs are listed if their gap is smaller than a length called skin. The list is
+/// rebuilt whenever the fastest particle has moved half the skin. The function tries many skins and returns the lowest
+/// cost.
 fn one_calendar(population: &PopulationSummary, speeds: &SpeedSummary, window: Window) -> f64 {
     let &PopulationSummary { density, mean_radius: [mean, mean_square], largest, ref census, .. } = population;
     // [m²] mean square of the distance between centres at which two particles touch

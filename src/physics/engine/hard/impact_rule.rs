@@ -67,7 +67,8 @@ impl Collision {
         let torque = met.normal.cross(&against);
         indices().for_each(|index| spins[index] += torque * (arm_of(index) / inertia[index]));
         let friction_loss = tangential * (speed - 0.5 * tangential / mass);
-        // the rule of the spring does not separate the loss by tangential restitution from that by sliding
+        // the other rule, that of a tangential spring, does not separate the loss by tangential restitution from the
+        // loss by sliding
         let sticks = matches!(rotation.impact, ImpactRule::Walton { .. }) && tangential < limit;
         let tangential_restitution_loss = if sticks { friction_loss } else { 0.0 };
         let slip = SlipChange::new([speed, speed - tangential / mass], tangential, limit);

@@ -67,8 +67,8 @@ pub struct Collision {
     /// engine with time steps the finite step causes a larger one.
     pub met: Encounter,
     /// True if the collision loses no energy along the normal, whatever the surfaces. In the TC model (Luding and
-    /// McNamara 1998, Granular Matter 1, 113) this is so if one of the partners collided less than the contact time
-    /// before.
+    /// McNamara 1998, Granular Matter 1, 113) a collision is elastic if one of the partners collided less than the
+    /// contact time before.
     pub elastic: bool,
     /// Species of particle `i`, and kind (species or wall) of the other body; they select restitution and friction.
     pub kinds: (u16, Kind),
@@ -118,7 +118,7 @@ impl Collision {
     }
 
     /// True if the restitution takes energy along the normal. Collisions without this loss may go on without end, and
-    /// are no sign of an inelastic collapse. A thermal wall does not use its restitution.
+    /// are no sign of an inelastic collapse. The result is false at a thermal wall, which does not use its restitution.
     pub fn loses(&self, scene: &Scene) -> bool {
         let dissipates = || scene.surface(self.kinds.0, self.kinds.1).restitution_at(self.approach()) < 1.0;
         !self.elastic && !self.is_thermal(scene) && dissipates()
@@ -279,10 +279,10 @@ impl Collision {
         ledger.gravity_work += scene.gravity.dot(impulse) * remaining;
     }
 
-    /// Velocity change [m/s] of a particle of `mass` [kg] that rests on a wall, after which its normal speed away from
-    /// the wall is `speed` [m/s]. The energy given to the particle is recorded as a negative loss. No impact is
-    /// recorded, since the particle does not approach the wall. The log also contains the change of the work of gravity
-    /// by this impulse until the end of the window, `remaining` [s] later.
+    /// Velocity change [m/s] that gives a particle of `mass` [kg], which rests on a wall, the normal speed `speed`
+    /// [m/s] away from the wall. The energy given to the particle is recorded as a negative loss. No impact is
+    /// recorded, since the particle is at rest on the wall. The log also contains the change of the work of gravity by
+    /// this impulse until the end of the window, `remaining` [s] later.
     pub fn hold_at_rest(&self, speed: f64, mass: f64, scene: &Scene, remaining: f64, log: &mut Log) -> Vector3<f64> {
         let before = self.met.normal_velocity;
         let change = self.met.normal * (speed - before);

@@ -46,8 +46,8 @@ impl Solve for HardIslands {
 
     /// Processes the collisions of the island (group of particles that may meet) one after the other, up to the time
     /// `end` [s] since the start of the part (interval of time). Returns the index, in the island, of a particle that
-    /// became faster than its limit; `None` if no particle did. An inelastic collapse (infinitely many collisions in
-    /// finite time) is an error.
+    /// became faster than the upper bound estimated for its speed; `None` if no particle did. An inelastic collapse
+    /// (infinitely many collisions in finite time) is an error.
     ///
     /// During this work the stored position of a particle is not its present position. It is the point where the
     /// particle would have been at the start of the part if it had always flown with its present velocity. So the

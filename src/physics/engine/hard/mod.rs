@@ -61,8 +61,9 @@ struct Memory {
     /// True if the event queue of all particles is outdated: since its last use, islands (groups of particles that may
     /// meet) have moved or sorted the particles, or a trial of islands has failed.
     outdated: bool,
-    /// Number of windows for which islands (groups of particles that may meet) were not tried after the last failed
-    /// trial. A failed trial doubles this number, from one up to [`LONGEST_STAY`], and a successful trial halves it.
+    /// Length, in windows, of the pause after a failed trial of islands (groups of particles that may meet); islands
+    /// are not tried during the pause. Each failed trial doubles this length, from one up to [`LONGEST_STAY`], and each
+    /// successful trial halves it.
     stay: u32,
     /// Number of windows that remain until islands (groups of particles that may meet) are tried again.
     left: u32,
@@ -167,8 +168,8 @@ impl Solver for HardSolver {
     /// those in the particle store. If the ids differ, the queue is made anew, and keeps the collision histories.
     fn repopulate(&mut self) {}
 
-    /// Does nothing, because `lasting` already contains the recent collisions. They are stored there at the end of each
-    /// window in which all particles were moved at once.
+    /// Does nothing, because the list of recent collisions, `lasting`, is already complete. It is written at the end of
+    /// each window in which all particles are moved at once.
     fn hand_over(&mut self, _lasting: &mut Vec<Recent>) {}
 
     fn for_each_kept(&self, _visit: &mut dyn FnMut(Recent)) {}

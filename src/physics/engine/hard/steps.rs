@@ -19,12 +19,12 @@ use std::f64::consts::PI;
 /// wall) that overlap and approach each other receive the impulse of hard spheres. Positions are not corrected.
 ///
 /// The step is Δt < θ d/u_r with a chosen number θ, the smallest diameter d and the mean normal speed u_r = sqrt(8
-/// q²/(3π)) of one particle relative to another. The criterion is that of section 3.4 of the paper that docs/paper.md
-/// discusses. The formula for u_r is Eq. 8 of that paper, corrected: in the paper, q² is outside the square root. In
-/// each time window the step is computed from the agitation q², half the mean square of the velocities of all particles
-/// relative to their mean velocity along the walls. The method misses grazing collisions that begin and end within a
-/// step, computes collisions up to Δt too late, and leaves overlaps. The program includes it to show these errors.
-/// Missed collisions are counted, and impacts record the overlaps.
+/// q²/(3π)) of one particle relative to another. The criterion is taken from section 3.4 of the paper that
+/// docs/paper.md discusses. The formula for u_r is Eq. 8 of that paper, corrected: in the paper, q² is outside the
+/// square root. In each time window the step is computed from the agitation q², half the mean square of the velocities
+/// of all particles relative to their mean velocity along the walls. The method misses grazing collisions that begin
+/// and end within a step, computes collisions up to Δt too late, and leaves overlaps. The program includes it to show
+/// these errors. Missed collisions are counted, and impacts record the overlaps.
 pub struct SteppedHard {
     theta: f64,
     list: NeighbourList,
@@ -71,9 +71,9 @@ impl SteppedHard {
         theta * duration / (longest * Self::steps(longest, duration))
     }
 
-    /// Number of pairs that the time step has missed. Such a pair began to touch and came nearest within the last step
-    /// of `dt` [s], but separates at the end of the step. It receives no impulse, even if the two particles still
-    /// overlap.
+    /// Number of pairs whose collision the time step has missed. The two particles of such a pair began to touch and
+    /// came nearest to each other within the last step of `dt` [s]. At the end of the step they move apart. The pair
+    /// receives no impulse, even if the particles still overlap.
     fn missed(&self, particles: &Particles, scene: &Scene, dt: f64) -> u64 {
         let passed = |pair: &&Pair| {
             let (i, j) = (pair.i as usize, pair.j as usize);

@@ -15,17 +15,18 @@ pub struct ObservingParticle<'a> {
     pub until: f64,
     /// [s] present time since the epoch (zero of the event queue's time).
     pub now: f64,
-    /// True if no neighbour has a flight that began later than that of the particle.
+    /// True if no neighbour has a flight that began later than the particle's flight.
     pub is_latest: bool,
-    /// True if a periodic image of a neighbour may be nearer than the neighbour itself.
+    /// True if the test must look for the nearest periodic image of each neighbour (its copy, shifted by an edge of the
+    /// box).
     pub across: bool,
     /// The box of the scene, with its periodic sides.
     pub domain: &'a Domain,
 }
 
-/// Relative motion of the particle and four of its neighbours; each array has one value per neighbour. The values are
-/// those at the start of the later of the two flights, that of the particle and that of the neighbour. So a predicted
-/// touch depends only on the two flights, and not on the instant of the prediction.
+/// Relative motion of the particle and four of its neighbours; each array has one value per neighbour. The values apply
+/// to the instant at which both flights, of the particle and of the neighbour, have begun: the start of the later
+/// flight. So a predicted touch depends only on the two flights, and not on the instant of the prediction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FourNeighbours {
     /// [s] start of the later of both flights, since the epoch (zero of the event queue's time).
@@ -114,8 +115,8 @@ pub mod wide {
         until: __m256d,
         now: __m256d,
         is_latest: bool,
-        /// [m] edges of the box, and [1/m] their inverse along periodic axes (0 along others). `None` if no image of a
-        /// neighbour is nearer than the neighbour itself.
+        /// [m] edges of the box, and [1/m] their inverse along periodic axes (0 along others). `None` if every
+        /// neighbour itself is nearer than its periodic images.
         sides: Option<([__m256d; 3], [__m256d; 3])>,
     }
 
@@ -152,10 +153,10 @@ pub mod wide {
         }
 
         /// Separations [m] and relative velocities [m/s] along one axis: values of the particle minus those of four
-        /// neighbours. If `sides` is given, the separations are those to the nearest images. `there` [m] and `theirs`
-        /// [m/s] are the positions of the neighbours at the starts of their flights, and their velocities. The flights
-        /// of particle and neighbours began `ours` [s] and `since` [s] before the time `start` [s] at which the
-        /// separations are computed.
+        /// neighbours. If `sides` is given, the separations from the nearest images of the neighbours are computed.
+        /// `there` [m] and `theirs` [m/s] are the positions of the neighbours at the starts of their flights, and their
+        /// velocities. The flights of particle and neighbours began `ours` [s] and `since` [s] before the time `start`
+        /// [s] at which the separations are computed.
         #[inline(always)]
         fn relative(
             &self,

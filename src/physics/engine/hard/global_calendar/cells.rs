@@ -172,7 +172,7 @@ impl ShellGrid {
         columns.flat_map(move |column| (0..cx).map(move |i| xs[i].0 + nx * column))
     }
 
-    /// Numbers, along one axis, of the cell `at` and its neighbours, and how many numbers these are (one to three).
+    /// Numbers, along one axis, of the cell `at` and its neighbours, and the count of these numbers (one to three).
     /// With each number comes the smallest distance [m], along the axis, from a given point in the cell `at` to the
     /// cell with this number. `from_side` [m] is the distance of the point from the lower side of the cell `at`.
     fn beside(&self, axis: usize, at: usize, from_side: f32) -> ([(usize, f32); 3], usize) {
@@ -261,8 +261,8 @@ impl ShellGrid {
 
     /// Appends to `found` the indices of particles in the cell number `cell`: those whose shell (ball in which the
     /// neighbour list is valid) has its centre at most √`square` [m] from `here` [m]. Returns the number of centres in
-    /// the cell. Every index is written; if a centre is too far, the next index overwrites it. This avoids a branch,
-    /// which the processor would often mispredict, since about half of the indices are kept.
+    /// the cell. Every index is written at the end of `found`; if its centre is too far, the next index overwrites it.
+    /// This avoids a branch, which the processor would often mispredict, since about half of the indices are kept.
     #[inline]
     fn within(&self, cell: usize, here: [f32; 3], square: f32, found: &mut Vec<u32>) -> u64 {
         let (mut end, mut checks, mut link) = (found.len(), 0, self.first[cell].get());

@@ -1,9 +1,9 @@
 //! Event queue of all particles: events of the near future are sorted by time, later ones wait in unsorted bins.
 //!
-//! The queue contains one event per particle; its time is that in the particle's [`NextEvents`]. Each bin covers an
-//! equal interval of time and contains only particle indices. The bins form a ring that is used again and again. If the
-//! event of a particle changes, its outdated entry is not removed from its bin. When the time of a bin comes, outdated
-//! entries are skipped, and all other entries are sorted.
+//! The queue contains the next event of each particle; the time of this event is stored in the particle's
+//! [`NextEvents`]. Each bin covers an equal interval of time and contains only particle indices. The bins form a ring
+//! that is used again and again. If the event of a particle changes, its outdated entry is not removed from its bin.
+//! When the time of a bin comes, outdated entries are skipped, and all other entries are sorted.
 
 use super::append;
 use super::bins::Bins;
@@ -17,7 +17,7 @@ const PER_BIN: usize = 32;
 
 /// Number of queued events divided by the number of bins (intervals of time) in the ring, before the number of bins is
 /// rounded up to a power of two. It is less than [`PER_BIN`], since bins of later times contain fewer events. So the
-/// ring covers at least about 64 times as long an interval of time as the earliest sixteenth of the events.
+/// ring covers at least about 64 times the time in which the earliest sixteenth of the events happens.
 const PARTICLES_PER_BIN: usize = 8;
 
 /// An entry of the sorted list of near events. The entry is outdated if the time of the particle's next event has
@@ -30,8 +30,8 @@ struct QueuedEvent {
 }
 
 impl QueuedEvent {
-    /// Order of two events: the earlier one first, at equal times the one of the particle with the lower id. `ids`
-    /// contains the id of each particle.
+    /// Order of two events: the earlier event comes first. If their times are equal, the event of the particle with the
+    /// lower id comes first. `ids` contains the id of each particle.
     #[inline]
     fn compare(&self, other: &Self, ids: &[u32]) -> Ordering {
         self.time.total_cmp(&other.time).then_with(|| ids[self.index as usize].cmp(&ids[other.index as usize]))

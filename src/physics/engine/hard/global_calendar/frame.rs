@@ -21,8 +21,8 @@ pub struct FallingFrame {
 }
 
 impl FallingFrame {
-    /// Position [m] of the frame's origin, relative to that of the scene, at `time` [s] since the epoch (zero of the
-    /// event queue's time).
+    /// Position [m] of the frame's origin, relative to the origin of the scene, at `time` [s] since the epoch (zero of
+    /// the event queue's time).
     fn origin(&self, time: f64) -> Vector3<f64> {
         self.offset + (self.velocity + self.gravity * (0.5 * time)) * time
     }

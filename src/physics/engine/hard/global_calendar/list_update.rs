@@ -29,14 +29,15 @@ pub struct ListChange {
     other: u32,
     /// True if `other` is added, false if it is removed.
     is_added: bool,
-    /// True if a periodic image of `other` may be nearer than `other` itself.
+    /// True if the prediction of touches must look for the nearest periodic image of `other` (its copy, shifted by an
+    /// edge of the box).
     across: bool,
 }
 
 impl ListUpdate<'_> {
     /// Makes the particles in `found` the neighbours of the particle at `index`, and updates the lists of its old and
-    /// of its new neighbours. `across` is true if a periodic image of one particle in `found` may be nearer than that
-    /// particle itself. Changes of lists that belong to other threads are appended to `elsewhere`.
+    /// of its new neighbours. `across` is true if the prediction of touches must look for the nearest periodic images
+    /// of the particles in `found`. Changes of lists that belong to other threads are appended to `elsewhere`.
     pub fn relink(&mut self, index: u32, (found, across): (&[u32], bool), elsewhere: &mut Vec<ListChange>) {
         let shell = *self.shell(index);
         let own = lists_of_mut(self.lists, self.division, index);
@@ -61,8 +62,8 @@ impl ListUpdate<'_> {
         *self.shell(index) = shell;
     }
 
-    /// Makes a change to a neighbour list for which another thread has asked. Does nothing if the list already is as
-    /// that thread wants it, because the particle has got a new list at the same time.
+    /// Makes a change to a neighbour list that another thread has requested. Does nothing if the list already contains
+    /// that change, because the particle has got a new list at the same time.
     pub fn apply(&mut self, change: ListChange) {
         let shell = *self.shell(change.of);
         let near = lists_of(self.lists, self.division, change.of).neighbours(&shell);

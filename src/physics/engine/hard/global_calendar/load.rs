@@ -28,7 +28,7 @@ use std::cmp::Ordering;
 use std::f64::consts::{PI, SQRT_2};
 
 /// Number of times that the fastest particle may cross the box between two epochs, the instants from which times are
-/// counted. Over a longer time the rounding errors of times would matter as much as those of positions.
+/// counted. Over a longer time the rounding errors of times would matter as much as the rounding errors of positions.
 const CROSSINGS: f64 = 8.0;
 
 /// [-] distance that the frame may move towards a wall while it follows a flying layer of particles, divided by the
@@ -120,8 +120,8 @@ impl GlobalCalendar {
         self.pair_checks += touch_times.sum::<u64>();
     }
 
-    /// Updates `Shell::across` of each particle, which is true if a periodic image of a neighbour may be nearer than
-    /// the neighbour itself. The update is needed after flights have been shifted by whole periods.
+    /// Updates `Shell::across` of each particle, which is true if the prediction of touches must look for the nearest
+    /// periodic image of each neighbour. The update is needed after flights have been shifted by whole periods.
     fn find_images(&mut self, scene: &Scene) {
         for index in 0..self.next_events.len() as u32 {
             let particles = ParticleRange { first: 0, bodies: &self.bodies, next_events: &self.next_events };
@@ -138,8 +138,8 @@ impl GlobalCalendar {
             return false;
         }
         let (mean, square) = mean_and_fluctuation(particles);
-        // a frame that falls past a bed at rest is not replaced before its next epoch; the lower limit excludes this
-        // case
+        // without the lower limit `fall`, a frame that falls past particles at rest would be replaced before its next
+        // epoch
         let largest = self.shells.kinds.last().map_or(0.0, |kind| kind.radius);
         let fall = across(scene, scene.gravity).norm() * 2.0 * largest;
         let behind = across(scene, mean - self.frame.velocity_at(self.now)).norm_squared();
@@ -312,14 +312,14 @@ impl GlobalCalendar {
         let crossing = scene.domain.size.max() / (fastest.sqrt() + walls);
         self.limit = CROSSINGS * crossing;
         if walls > 0.0 {
-            // shells are enlarged by the distance that walls move until the end of the epoch
+            // the search for walls near a shell allows for the distance that walls move until the end of the epoch
             self.limit = before.min(self.limit);
         }
         let fall = across(scene, scene.gravity).norm();
         // without particles an epoch has no limit
         if fall > 0.0 && !self.bodies.is_empty() {
-            // the frame must not fall towards walls much faster than the particles move, since shells are enlarged by
-            // the distance that the frame falls until the end of the epoch
+            // the frame must not fall towards walls much faster than the particles move, since the search for walls
+            // near a shell allows for the distance that the frame falls until the end of the epoch
             let count = self.bodies.len() as f64;
             let square = self.bodies.iter().map(|body| body.velocity.norm_squared()).sum::<f64>() / count;
             let diameter = 2.0 * self.bodies.iter().map(|body| self.shells.radius(body)).sum::<f64>() / count;
@@ -339,7 +339,7 @@ impl GlobalCalendar {
     pub(super) fn new_epoch(&mut self, work: &mut Work<Recent>, time: f64) -> Result<(), Failure> {
         let (scene, horizon) = (work.scene, self.horizon - self.now);
         if is_built_each_epoch(scene) {
-            // shells allow only for the motion of frame and walls within one epoch
+            // the search for walls near a shell allows only for the motion of frame and walls within one epoch
             self.write(work.particles, scene);
             let met = self.history(work.particles, None);
             self.load(work.particles, scene, met, time)?;
@@ -371,8 +371,8 @@ impl GlobalCalendar {
 
 /// [m/s] velocity of the frame of the event queue: the mean velocity of the particles along the walls. There is one
 /// exception, if gravity points towards walls or walls move. If the particles then fly as a layer, faster than they
-/// move relative to one another, the frame follows the layer also towards the walls. If it did not, each particle would
-/// soon leave its shell (ball in which its neighbour list is valid).
+/// move relative to one another, the frame follows the layer also towards the walls. Otherwise each particle would soon
+/// leave its shell (ball in which its neighbour list is valid).
 fn frame_velocity(particles: &Particles, scene: &Scene) -> Vector3<f64> {
     if !is_built_each_epoch(scene) {
         return along_walls(scene, particles.mean_velocity());

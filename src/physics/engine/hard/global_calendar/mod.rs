@@ -3,9 +3,9 @@
 //! For every particle the calendar stores the earliest two events. An event is a touch, or the exit from the particle's
 //! shell (a ball in which its neighbour list is valid). The events of a particle are predicted again after the particle
 //! has collided, or when the partner of its next event has collided meanwhile. A window is the time between two
-//! exchanges of momentum with the gas; the end of a window changes no event. Each flight is stored with a separate
-//! time, so a collision moves only two particles and tests their neighbours. The calendar counts times from an instant
-//! called *epoch*.
+//! exchanges of momentum with the gas; the end of a window changes no event. Each flight is stored with the time at
+//! which it began, and this time may differ from particle to particle. So a collision moves only two particles and
+//! tests their neighbours. The calendar counts times from an instant called *epoch*.
 //!
 //! The calendar stores a copy of the flights, in a falling frame, and writes positions and velocities to the particle
 //! store at the end of each window. If velocities in the store have changed when the next window begins, for instance
@@ -116,8 +116,9 @@ fn append<T>(list: &mut Vec<T>, item: T) {
     list.push(item);
 }
 
-/// True if the log must be added to the record after the collision with the number `collisions`. The number counts all
-/// collisions of the run, so the sums in the ledger do not depend on the division of the work among threads.
+/// True if the log (impacts not yet counted) must now be added to the record of the run. `collisions` is the number of
+/// all collisions of the run so far. This number does not depend on the division of the work among threads, so neither
+/// do the sums in the record.
 fn is_full(collisions: u64) -> bool {
     collisions.is_multiple_of(KEPT)
 }
@@ -153,12 +154,12 @@ pub struct GlobalCalendar {
     /// True for each periodic axis along which the box is so short that two particles may touch through an image other
     /// than the nearest one.
     far_images: [bool; 3],
-    /// Number of collisions when the particle store was last sorted.
+    /// Number of collisions that had been processed when the particle store was last sorted.
     sorted_at: u64,
     /// Number of collisions that the event queue has processed so far.
     pub events: u64,
-    /// Number of touch times computed so far, plus that of distances between shells (balls in which neighbour lists are
-    /// valid).
+    /// Number of touch times computed so far, plus the number of computed distances between shells (balls in which
+    /// neighbour lists are valid).
     pair_checks: u64,
     /// Number of times that the event queue of all particles, with all neighbour lists, was built so far.
     pub builds: u64,
@@ -168,16 +169,17 @@ pub struct GlobalCalendar {
     /// particles of different threads.
     #[serde(skip)]
     queue: EventQueue,
-    /// Parts of the particles whose events the threads process; empty while one thread processes all events.
+    /// Parts, one for each thread: groups of particles with consecutive indices, and their events. Empty while one
+    /// thread processes all events.
     #[serde(skip)]
     parts: Vec<PartState>,
     /// Data of those events in a round (piece of time in which several threads process events) whose particles belong
     /// to different threads.
     #[serde(skip)]
     border: Round,
-    /// [m] distance from the surface of a particle's shell (ball in which its neighbour list is valid) at which the
-    /// particle is to get a new shell. The particle may fly on by this distance during a round (piece of time in which
-    /// several threads process events). New shells are made after the round.
+    /// [m] distance inside the surface of a particle's shell (ball in which its neighbour list is valid) at which its
+    /// exit from the shell is processed. The particle may then fly on by this distance during a round (piece of time in
+    /// which several threads process events). Most new shells are made after the round.
     #[serde(skip)]
     slack: f64,
     /// [s] length of the time, after the exit of a particle from its shell (ball in which its neighbour list is valid),
@@ -306,8 +308,8 @@ impl GlobalCalendar {
         recent(self.last_collisions.iter(), self.contact_time, time)
     }
 
-    /// Number of touch times computed so far, plus that of distances between shells (balls in which neighbour lists are
-    /// valid), as a measure of work.
+    /// Number of touch times computed so far, plus the number of computed distances between shells (balls in which
+    /// neighbour lists are valid). The sum is a measure of work.
     pub fn pair_checks(&self) -> u64 {
         self.pair_checks
     }

@@ -1,7 +1,8 @@
 //! Search in the old neighbour list of a particle whose list is made again.
 
 /// Old neighbour list of a particle, with a hash table of its entries. Most old neighbours are also new neighbours.
-/// With the table, the other ones are found in a time proportional to the length of the list.
+/// With the table, the old neighbours that are not new neighbours are found in a time proportional to the length of the
+/// list.
 #[derive(Clone, Debug, Default)]
 pub struct OldNeighbours {
     /// Indices of the old neighbours. Each one that is also a new neighbour is replaced by the index of the particle to

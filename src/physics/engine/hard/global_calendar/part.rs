@@ -1,6 +1,6 @@
-//! Events of a part of the particles: of the particles that one thread treats, or of all particles. The particles of a
-//! part have consecutive indices. Times are counted from the epoch, the zero of the event queue's time. The calendar is
-//! the event queue of all particles.
+//! Events of a part of the particles. A part consists of the particles that one thread treats, or of all particles. Its
+//! particles have consecutive indices. Times are counted from the epoch, the zero of the event queue's time. The
+//! calendar is the event queue of all particles.
 
 use super::event_queue::{EventQueue, EventTable};
 use super::neighbour_lists::{NeighbourLists, lists_of};
@@ -155,8 +155,9 @@ impl Part<'_> {
     /// Processes the next event of the particle at `index`. Returns true, without a prediction, if the particle leaves
     /// its shell (ball in which its neighbour list is valid) and needs a new shell at once. If the partner of a touch
     /// has collided meanwhile, the event is void. The stored second event then becomes the next event, if there is one.
-    /// The same is done after an exit from a shell during a round (piece of time shared by threads), if the particle
-    /// must wait for its new shell. In all other cases, the next events of the particles that took part are predicted.
+    /// The second event also becomes the next event after an exit from a shell during a round (piece of time shared by
+    /// threads), if the particle must wait for its new shell. In all other cases, the next events of the particles that
+    /// took part are predicted.
     #[inline]
     pub fn event(&mut self, index: u32) -> Result<bool, Failure> {
         let place = self.place(index);

@@ -48,8 +48,8 @@ impl Events {
     }
 }
 
-/// Number of groups of four neighbours that are tested at once. After that, times of touch are computed for the
-/// neighbours of these groups that come near.
+/// Number of groups of four neighbours that are tested at once. After the test, times of touch are computed for those
+/// neighbours of the groups that may touch soon enough.
 const AT_ONCE: usize = 4;
 
 /// [-] smallest resolvable speed of approach, divided by the sum of the speeds of both particles. A slower approach is
@@ -195,8 +195,8 @@ impl<'a> Flights<'a> {
 
     /// Adds to `events` the coming touches of a particle with its neighbours. The function `test` takes four neighbours
     /// and the squared distances [m²] of the centres at touch. It marks the neighbours that may touch soon enough; only
-    /// for these, times of touch are computed. Marking needs no branches; the processor would mispredict every second
-    /// branch.
+    /// for these, times of touch are computed. The marks are computed without branches, because the processor would
+    /// mispredict every second branch.
     #[inline(always)]
     fn touches_by(
         &self,

@@ -67,7 +67,7 @@ impl Records {
         loop {
             let heads = rest.iter().enumerate().filter_map(|(k, list)| list.first().map(|head| (k, head)));
             let Some((k, head)) = heads.min_by(|(_, a), (_, b)| order(a, b)) else { return };
-            // all that come before the heads of the other lists
+            // all collisions of this list that come before the first collision of every other list
             let others = rest.iter().enumerate().filter(|(other, _)| *other != k);
             let next = others.filter_map(|(_, list)| list.first()).min_by(|a, b| order(a, b));
             let is_before = |one: &CollisionRecord| next.is_none_or(|next| order(one, next) == Ordering::Less);

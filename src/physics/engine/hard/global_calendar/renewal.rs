@@ -30,7 +30,7 @@ impl Part<'_> {
         let across = has_images(index, &found, self.range(), (&domain, self.now));
         let (division, first, lists) = (&around.shells.parts, self.first, &mut *self.lists);
         let mut update = ListUpdate { division, first, next_events: self.next_events, lists };
-        // a new shell has neighbours in other parts only if this part contains all particles
+        // no list elsewhere changes: a new shell has neighbours in other parts only if this part contains all particles
         update.relink(index, (&found, across), &mut Vec::new());
         lists_of_mut(self.lists, division, index).found = found;
         self.predict_events(index);

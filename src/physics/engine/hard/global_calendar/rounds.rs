@@ -7,19 +7,19 @@
 //! 1. Each thread processes the events of its part as if there were no other parts. A particle whose next event is a
 //!    touch with a particle of another part is *stopped*. A particle whose next event is a touch with a stopped
 //!    particle is stopped too.
-//! 2. Each thread predicts the events of the particles at its border again, now with the particles of other parts.
-//! 3. One thread processes the events of stopped particles, and those that step 2 has found, in the order of time.
+//! 2. Each thread predicts the events of particles at the border of its part again, now with all neighbours.
+//! 3. One thread processes the events of stopped particles, and the events that step 2 has found, in the order of time.
 //!
 //! If an event of step 3 is found too late, because its particle has already had a later event, the round is undone and
 //! repeated with a shorter length. This is rare, because few particles have two events in a round. The time of a touch
-//! depends only on two flights, so the results are bit for bit those of a single thread.
+//! depends only on two flights, so the results are bit for bit equal to the results of a single thread.
 //!
 //! A particle that comes near the surface of its shell gets a new shell at once, if all cells around it belong to its
-//! part ([`Territories`](super::territories::Territories)). Otherwise the particle gets a new shell after that round or
-//! a later one. Until then, it may fly on by a small distance, which is left for this purpose. If a particle becomes so
-//! fast that it may fly farther, the round is undone, and one thread repeats it. An undone round leaves new shells
-//! where they are: within a round, no particle flies farther than the small distance, so each particle was inside its
-//! new shell also at the start of the round.
+//! part ([`Territories`](super::territories::Territories)). Otherwise the particle gets a new shell after the round, or
+//! after a later round. Until then, it may fly on by a small distance, which is left for this purpose. If a particle
+//! becomes so fast that it may fly farther, the round is undone, and one thread repeats it. An undone round leaves new
+//! shells where they are: within a round, no particle flies farther than the small distance, so each particle was
+//! inside its new shell also at the start of the round.
 
 use super::division::Division;
 use super::event_queue::{EventQueue, EventTable};
@@ -43,20 +43,21 @@ use crate::work_sharing;
 /// were slower than one.
 const FEWEST: usize = 10_000;
 
-/// [-] distance from the surface of a particle's shell (ball in which its neighbour list is valid), divided by the
-/// shell's radius, at which the particle is to get a new shell. The particle may fly on by this distance until then.
+/// [-] distance inside the surface of a particle's shell (ball in which its neighbour list is valid), divided by the
+/// shell's radius, at which the exit from the shell is processed. The particle may fly on by this distance until it
+/// gets a new shell.
 const SLACK: f64 = 0.08;
 
 /// [-] speed that no particle may exceed in a round (piece of time shared by threads), divided by the largest speed of
-/// any particle when it was last computed ([`RENEWALS`](super::renewal::RENEWALS)).
+/// any particle. The largest speed is computed only at intervals ([`RENEWALS`](super::renewal::RENEWALS)).
 const FASTER: f64 = 1.25;
 
 /// [-] factor by which rounds (pieces of time shared by threads) become longer after each successful round with few
 /// collisions.
 const LONGER: f64 = 1.01;
 
-/// [-] factor by which rounds (pieces of time shared by threads) become shorter after each failed round. With this
-/// value and that of [`LONGER`], about one round in twenty fails.
+/// [-] factor by which rounds (pieces of time shared by threads) become shorter after each failed round. With these
+/// values of `SHORTER` and [`LONGER`], about one round in twenty fails.
 const SHORTER: f64 = 0.8;
 
 /// [-] shortest length of a round (piece of time shared by threads), divided by the longest. The first round has the
@@ -64,8 +65,8 @@ const SHORTER: f64 = 0.8;
 /// them would need much memory.
 const SHORTEST: f64 = 1e-3;
 
-/// Number of particles divided by the number of collisions in a round (piece of time shared by threads). Below this
-/// ratio, rounds do not become longer. This limits the memory of the states that are stored to undo a round.
+/// Number of particles per collision in a round (piece of time shared by threads), above which the next rounds become
+/// longer. So this ratio limits the memory of the states that are stored to undo a round.
 const PER_COLLISION: usize = 128;
 
 /// Largest number of failures after which a round (piece of time shared by threads) is tried again; after one more
@@ -339,7 +340,7 @@ impl GlobalCalendar {
         self.grace = 2.0 * longest;
     }
 
-    /// Processes the events of each part by one thread up to `end` [s] since the epoch (first step of a round).
+    /// Processes the events of all parts up to `end` [s] since the epoch, each part by one thread (step 1 of a round).
     fn process_parts(&mut self, work: &mut Work<Recent>, span: CalendarWindow, end: f64) {
         let (around, now, speed) = (view_of!(self, work.scene), self.now, self.speed);
         let particles: &Particles = work.particles;
@@ -380,8 +381,8 @@ impl GlobalCalendar {
         );
     }
 
-    /// Predicts the events of particles at the borders of parts again, now with the neighbours in all parts (second
-    /// step of a round). Events before `end` [s] since the epoch are left to one thread.
+    /// Predicts the events of particles at the borders of parts again, now with the neighbours in all parts (step 2 of
+    /// a round). Events before `end` [s] since the epoch are left to one thread.
     fn complete(&mut self, scene: &Scene, end: f64) {
         let (around, bodies, now) = (view_of!(self, scene), self.bodies.as_slice(), self.now);
         let all = Flights { around: &around, first: 0, bodies, now, in_order: false };

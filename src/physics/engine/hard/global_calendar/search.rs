@@ -7,15 +7,15 @@ use super::shells::{ShellLevel, Shells};
 use super::sliding::SLIDE;
 use crate::domain::Domain;
 
-/// Neighbour lists of several particles, before they are stored with those of other particles.
+/// Neighbour lists of several particles, before they are stored with the lists of other particles.
 #[derive(Default)]
 pub struct FoundNeighbours {
     /// Indices of the neighbours of all these particles, one list after the other.
     pub near: Vec<u32>,
     /// Number of neighbours in the list of each particle.
     pub counts: Vec<u32>,
-    /// For each particle, true if a periodic image of a neighbour (its copy, shifted by an edge of the box) may be
-    /// nearer than the neighbour itself.
+    /// For each particle, true if the prediction of touches must look for the nearest periodic image of each neighbour
+    /// (its copy, shifted by an edge of the box).
     across: Vec<bool>,
     /// Number of distances between shells (balls in which neighbour lists are valid) that were computed for these
     /// lists.
@@ -24,8 +24,8 @@ pub struct FoundNeighbours {
 
 impl FoundNeighbours {
     /// The neighbour lists one after the other, in the order in which they were made. The second member of each item is
-    /// true if a periodic image of a neighbour (its copy, shifted by an edge of the box) may be nearer than the
-    /// neighbour itself.
+    /// true if the prediction of touches must look for the nearest periodic image of each neighbour (its copy, shifted
+    /// by an edge of the box).
     pub fn each(&self) -> impl Iterator<Item = (&[u32], bool)> {
         let mut near = self.near.as_slice();
         self.counts.iter().zip(&self.across).map(move |(count, across)| {
@@ -36,9 +36,9 @@ impl FoundNeighbours {
     }
 }
 
-/// True if one of the particles in `others` may have a periodic image that is nearer to particle `i` than the particle
-/// itself. The time `now` [s] counts from the epoch (zero of the event queue's time). False is returned only if all
-/// these particles are less than half the shortest periodic edge of the box apart from `i`.
+/// True if a particle in `others` may have a periodic image that is nearer to particle `i` than the stored position of
+/// this other particle. False is returned only if all particles in `others` are less than half the shortest periodic
+/// edge of the box apart from `i`. The time `now` [s] counts from the epoch (zero of the event queue's time).
 pub fn has_images(i: u32, others: &[u32], particles: ParticleRange, (domain, now): (&Domain, f64)) -> bool {
     let here = particles.body(i).position_at(now);
     others.iter().any(|&j| !domain.is_direct(&(here - particles.body(j).position_at(now))))
@@ -64,8 +64,8 @@ impl Shells {
     }
 
     /// Appends to `found` the indices of the neighbours of particle `i`. These are all particles whose shells overlap
-    /// that of `i`, and some whose shells nearly overlap it. A shell is the ball in which a neighbour list is valid.
-    /// Returns the number of shells tested.
+    /// the shell of `i`, and some particles whose shells nearly overlap it. A shell is the ball in which a neighbour
+    /// list is valid. Returns the number of shells tested.
     pub fn find_neighbours(&self, i: u32, particles: ParticleRange, domain: &Domain, found: &mut Vec<u32>) -> u64 {
         let (centre, radius) = (particles.shell(i).centre(), self.radius(particles.body(i)));
         let near = |j: u32| {

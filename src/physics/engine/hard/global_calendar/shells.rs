@@ -32,9 +32,9 @@ pub struct Shell {
     /// True if a particle of another part may be a neighbour of this particle. A part is the group of particles whose
     /// events one thread processes.
     pub at_border: bool,
-    /// True if a periodic image of a neighbour (its copy, shifted by an edge of the box) may be nearer than the
-    /// neighbour itself. The centre of the shell does not show this: the centre is inside the box, but the stored
-    /// positions of flights may be outside.
+    /// True if the prediction of touches must look for the nearest periodic image of each neighbour (its copy, shifted
+    /// by an edge of the box). False if every neighbour itself is nearest. This is stored because it follows from the
+    /// positions of the flights, which may be outside the box, and not from the centre of the shell, which is inside.
     pub across: bool,
 }
 
@@ -148,7 +148,7 @@ impl Shells {
     }
 
     /// Stores the neighbour lists `found` of consecutive particles, the first of which has the index `first`, behind
-    /// the present lists of their parts (particles of one thread). The place of each list is written to the entry of
+    /// the present lists of their parts (particles of one thread). The location of each list is written to the entry of
     /// its particle in `next_events`.
     fn store(
         &self,
@@ -222,8 +222,8 @@ impl Shells {
     }
 
     /// Notes that the shell (ball in which the neighbour list is valid) of particle `index` has been moved to the point
-    /// `centre` [m]. If this point is outside the cells of the particle's part (particles of one thread), no thread may
-    /// use the cell alone any more.
+    /// `centre` [m]. If the cell at this point does not belong to the particle's part (particles of one thread), no
+    /// thread may make new shells there until the cells are divided anew.
     pub fn note_move(&mut self, index: u32, centre: &[f32; 3]) {
         if let [level] = self.levels.as_slice() {
             self.territories.enter(index, &self.parts, &level.cells, centre);

@@ -1,5 +1,5 @@
-//! Sheared boxes in the calendar (the event queue of all particles): images across y slide along z. The ledger of a run
-//! contains the sums of work, losses and impulses.
+//! Sheared boxes in the calendar (the event queue of all particles). In a sheared box the periodic images beyond the
+//! two sides normal to y slide along z. The ledger of a run contains the sums of work, losses and impulses.
 //!
 //! Particles and their images fly straight also across a sheared side, so their touches are predicted exactly. Only the
 //! neighbour lists need a special treatment. A shell, the ball in which the list of a particle is valid, does not move,
@@ -25,8 +25,8 @@ pub const SLIDE: f64 = 3.0;
 
 impl<'a> CalendarView<'a> {
     /// The box with its periodic images at their places in the middle of the present interval, the time for which
-    /// neighbour lists across sheared sides are valid. These lists are made for these places. Without shear, the result
-    /// is the box of the scene itself.
+    /// neighbour lists across sheared sides are valid. The lists are made for these places of the images. Without
+    /// shear, the result is the box of the scene itself.
     #[inline]
     pub fn domain_of_lists(&self) -> Cow<'a, Domain> {
         if self.scene.domain.shear.is_none() {

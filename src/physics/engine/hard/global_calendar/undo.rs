@@ -5,8 +5,8 @@ use super::append;
 use super::next_events::FlightState;
 use crate::engine::hard::collapse_detector::LastCollision;
 
-/// States of particles before each collision of a round (piece of time in which several threads process events). Also
-/// the particles whose events must be predicted again if the round is undone.
+/// States of particles before each collision of a round (piece of time in which several threads process events). The
+/// indices of other particles, whose events must be predicted again if the round is undone, are stored as well.
 #[derive(Clone, Debug, Default)]
 pub struct Undo {
     /// Flight of each particle that collided, before the collision.

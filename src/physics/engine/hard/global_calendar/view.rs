@@ -40,9 +40,9 @@ pub struct CalendarView<'a> {
     /// Contact time [s] of the TC model, in which a collision is elastic if the particle collided less than this time
     /// before; `None` without this model.
     pub contact_time: Option<f64>,
-    /// [m] distance from the surface of a particle's shell (ball in which its neighbour list is valid) at which the
-    /// particle is to get a new shell. It is 0 unless several threads share the events. They make most new shells only
-    /// at the end of a round (piece of time), and until then a particle may fly on by this distance.
+    /// [m] distance inside the surface of a particle's shell (ball in which its neighbour list is valid) at which its
+    /// exit from the shell is processed. It is 0 unless several threads share the events. These threads make most new
+    /// shells only at the end of a round (piece of time), and until then a particle may fly on by this distance.
     pub slack: f64,
     /// [s] length of the time, after the exit of a particle from its shell (ball in which its neighbour list is valid),
     /// in which touches of the particle are still predicted; used if `slack` is above 0.
@@ -67,8 +67,8 @@ impl<'a> CalendarView<'a> {
     }
 
     /// Vector [m] from `b` to the nearest periodic image of `a`, and velocity [m/s] of this image relative to `b`. The
-    /// time is `now` [s] since the epoch (zero of the event queue's time). `velocity` [m/s] is that of `a` itself
-    /// relative to `b`; the velocity of the image differs from this velocity only across sheared sides.
+    /// time is `now` [s] since the epoch (zero of the event queue's time). `velocity` [m/s] is the velocity of `a`
+    /// itself relative to `b`; the velocity of the image differs from this velocity only across sheared sides.
     #[inline]
     pub fn relative(
         &self,

@@ -72,7 +72,8 @@ impl CalendarView<'_> {
 }
 
 /// Component towards the walls of `vector`, a velocity or acceleration common to all particles. The component is zero
-/// if the vector is parallel to all walls, or without walls. If a wall is not a plane, it is the whole vector.
+/// if the vector is parallel to all walls, or without walls. If a wall is not a plane, the component is the whole
+/// vector.
 pub fn across(scene: &Scene, vector: Vector3<f64>) -> Vector3<f64> {
     vector - along_walls(scene, vector)
 }
