@@ -33,8 +33,8 @@ impl<C> Default for Processes<C> {
 impl<C: Copy + Serialize + DeserializeOwned> Processes<C> {
     /// Shares the run among processes. `population` summarises the sizes of all particles. There are two cases:
     ///
-    /// * Each process already stores the particles of its block (region of the box). `cut` is then the box, which is cut
-    ///   into these blocks.
+    /// * Each process already stores the particles of its block (region of the box). `cut` is then the box, which is
+    ///   cut into these blocks.
     /// * The lead process (process 0) still stores all particles; `cut` is then `None`. The processes get their
     ///   particles later, when the program next tries to move particles in islands (groups that may meet).
     pub fn share(&mut self, communicator: Arc<dyn Communicator>, population: PopulationSummary, cut: Option<&Domain>) {
